@@ -1,6 +1,7 @@
 #include "kernel/compile/bodies.h"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/dynamics/flexible.h"
@@ -11,14 +12,14 @@
 namespace unlatch {
 namespace {
 
-void write(double* to, const Eigen::Matrix3Xd& columns) {
-  for (Eigen::Index k = 0; k < columns.cols(); ++k)
-    for (Eigen::Index i = 0; i < 3; ++i) *to++ = columns(i, k);
+void write(std::span<Vec3> to, const Eigen::Matrix3Xd& columns) {
+  for (std::size_t k = 0; k < to.size(); ++k) to[k] = to_vec(columns.col(static_cast<Eigen::Index>(k)));
 }
-void write(double* to, const std::vector<Eigen::Matrix3d>& matrices) {
-  for (const Eigen::Matrix3d& m : matrices)
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) *to++ = m(r, c);
+void write(std::span<Moment> to, const std::vector<Eigen::Matrix3d>& matrices) {
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    const Eigen::Matrix3d& m = matrices[k];
+    to[k] = {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
+  }
 }
 
 // Room for so many numbers more in PlanDraft::modal.
@@ -31,7 +32,7 @@ double* add_numbers(PlanDraft& plan, int count) {
 // Some mode swings faster than the step resolves.
 bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
 
-// `markers`: bodies that are markers on it.
+// `markers`: the bodies that are its markers.
 void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanDraft& plan) {
   const FlexibleBody& shape = *model.bodies[at(body)].flexible;
   const auto m = static_cast<std::int32_t>(shape.frequencies.size());
@@ -46,13 +47,13 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
                    has_stiff_mode(shape, plan.options.dt),
                    model.bodies[at(body)].mass,
                    to_sym(model.bodies[at(body)].inertia)};
-  const ModalShapeOf<double> to = place_shape(m, add_numbers(plan, get_shape_size(m)));
+  const ModalShapeOf<Writable> to = place_shape(m, add_numbers(plan, get_shape_size(m)));
   write(to.momentum, shape.momentum);
   write(to.first, shape.first);
   write(to.second, shape.second);
   for (int k = 0; k < m; ++k) {
-    to.stiffness[k] = shape.frequencies[k] * shape.frequencies[k];
-    to.damping[k] = 2 * shape.damping[k] * shape.frequencies[k];
+    to.stiffness[at(k)] = shape.frequencies[k] * shape.frequencies[k];
+    to.damping[at(k)] = 2 * shape.damping[k] * shape.frequencies[k];
   }
   for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
     for (Eigen::Index k = 0; k < m; ++k) plan.initial_auxiliary.push_back(start->size() == 0 ? 0 : (*start)[k]);
@@ -60,8 +61,7 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
     const std::optional<Marker>& marker = model.bodies[at(i)].marker;
     plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
                             static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
-    const MarkerShapeOf<double> to_marker =
-        place_marker_shape(m, add_numbers(plan, get_marker_shape_size(m)));
+    const MarkerShapeOf<Writable> to_marker = place_marker_shape(m, add_numbers(plan, get_marker_shape_size(m)));
     write(to_marker.displacement, marker->shape);
     write(to_marker.turn, marker->turn);
     plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
@@ -72,8 +72,8 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
   plan.flexible.push_back(out);
 }
 
-// Flexible bodies and their markers in the tree: the marker by which each is held, and what hangs on the others.
-// Initial motion of the markers.
+// Finds, in the tree, the marker by which each flexible body is held, and the markers that hold nothing. Computes the
+// initial motion of the markers.
 void place_flexible(PlanDraft& plan) {
   std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
   for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
@@ -87,15 +87,15 @@ void place_flexible(PlanDraft& plan) {
   for (const PlanMarker& marker : plan.markers) {
     const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
     const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
-    plan.bodies[at(marker.body)].initial = calc_marker_state(get_view(plan), marker, plan.bodies[at(carrier.body)].initial,
-                                                             coordinates, coordinates + carrier.modes);
+    plan.bodies[at(marker.body)].initial = calc_marker_state(
+        get_view(plan), marker, plan.bodies[at(carrier.body)].initial, coordinates, coordinates + carrier.modes);
   }
 }
 
 PlanBody compile_body(const Body& body, PlanDraft& plan) {
   PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
   if (!body.law && !body.flexible && !body.marker) return out;
-  out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
+  out.mass = 0;  // these have no constant mass: it is added when it is computed
   if (!body.law) return out;
   out.varying = static_cast<std::int32_t>(plan.varying.size());
   plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
@@ -107,7 +107,7 @@ PlanBody compile_body(const Body& body, PlanDraft& plan) {
   return out;
 }
 
-// Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
+// Bodies whose block is not diag(mass, inertia) are no leaves for the solver, even if nothing is outboard of them.
 void mark_blocks(const Model& model, PlanDraft& plan) {
   for (TreeNode& node : plan.nodes)
     if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
@@ -117,7 +117,7 @@ void mark_blocks(const Model& model, PlanDraft& plan) {
 
 void compile_bodies(const Model& model, PlanDraft& plan) {
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
-  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses stand before modal coordinates and contacts
+  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses come before modal coordinates and contacts
   std::vector<std::vector<int>> markers(model.bodies.size());
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));

@@ -33,8 +33,8 @@ void link_conditions(PlanDraft& plan, ElementCompiler& compiler) {
       c.subject = compiler.find_coordinate(c.subject, c.axis);
 }
 
-// What quantities read of others: coordinates, the times of events. Those of conditions that guards read by themselves
-// stand before them.
+// Links quantities to what they read: coordinates, the times of events. Coordinates of conditions that guards read
+// without a quantity come before theirs.
 void link_quantities(PlanDraft& plan, ElementCompiler& compiler) {
   for (PlanQuantity& quantity : plan.quantities) {
     const QuantityTraits& traits = get_traits(quantity.kind);
@@ -44,7 +44,7 @@ void link_quantities(PlanDraft& plan, ElementCompiler& compiler) {
   }
 }
 
-// Multipliers that guards read.
+// Places of the multipliers that guards read.
 void place_multipliers(PlanDraft& plan) {
   for (PlanCondition& c : plan.conditions) {
     if (c.kind != Condition::Kind::kReaction) continue;
@@ -65,7 +65,7 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) 
           joint.universal};
 }
 
-// Axes by which rotations are measured, and their initial angles: they are counted on from step to step.
+// Axes by which rotations are measured, and their initial angles, from which turns are counted.
 void init_angles(const Model& model, PlanDraft& plan) {
   for (PlanCoordinate& c : plan.coordinates) {
     if (c.row < kRotX) continue;
@@ -93,8 +93,8 @@ std::vector<RowSet> list_axes(const Model& model, const std::vector<bool>& chose
   return axes;
 }
 
-// Springs that are integrated implicitly: those that the user or the step size wants so, if their joint is an edge of
-// the tree. Returns what the tree refuses to those that the user wants.
+// Springs that are integrated implicitly: those in `stiff` whose joint is an edge of the tree. Returns an error for
+// each other spring that the user demands to be.
 std::vector<ModelError> compile_compliance(const Model& model, const std::vector<bool>& stiff, PlanDraft& plan) {
   std::vector<ModelError> errors;
   std::vector<bool> edge(model.joints.size(), false);
@@ -127,7 +127,7 @@ void compile_elements(const Model& model, ElementCompiler& compiler) {
       plan.element_scales.push_back(item.on ? 1 : 0);
       Kind::of_plan(plan).push_back(Kind::compile(item, compiler));
     }
-    // Without an element between two bodies, add_forces() calls none of their kinds.
+    // add_forces() calls the kinds other than loads only if the model has such an element.
     if constexpr (!std::is_same_v<Kind, LoadKind>) plan.pair_forces = plan.pair_forces || !Kind::of_plan(plan).empty();
   });
   compile_laws(model, compiler);
@@ -163,7 +163,7 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
     errors.push_back({"step", "root is not a body of the model", "name one of its bodies, or leave it out"});
 }
 
-// First phase: the tree. Errors: what it refuses.
+// First phase: the tree. Returns its errors.
 std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
   const std::vector<bool> stiff = find_stiff_springs(model, plan.options.dt);
   Topology topology = compile_topology(model, list_axes(model, stiff), plan.options.root);
@@ -172,7 +172,7 @@ std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
   return compile_compliance(model, stiff, plan);
 }
 
-// Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a line says so.
+// Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a comment says so.
 void compile_parts(const Model& model, PlanDraft& plan) {
   compile_bodies(model, plan);
   compile_quantities(model, plan);  // before conditions and sensors add theirs
@@ -203,9 +203,9 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   for (const Channel& channel : model.channels) plan.initial_commands.push_back(channel.initial);
 }
 
-// Third phase: places in memory, and constants there; needs all parts.
+// Third phase, after all parts: places in memory, and constants there.
 void compile_memory(const Model& model, PlanDraft& plan) {
-  // Numbers the nodes anew: before all that keeps a node or a place.
+  // Renumbers the nodes: before everything that keeps a node or a place.
   lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
   fill_constants(model, plan);
   compile_loops(model, plan);

@@ -7,8 +7,8 @@
 namespace unlatch {
 namespace {
 
-// Kinds that kernel/events/guards.cc reads by itself, because they are frequent or more than a comparison; any other
-// compares a quantity of the plan.
+// True of the kinds that kernel/events/guards.cc computes without a quantity, because they are frequent or more than a
+// comparison. Every other kind compares a quantity of the plan.
 bool is_read_by_guards(Condition::Kind kind) {
   using Kind = Condition::Kind;
   switch (kind) {
@@ -31,7 +31,7 @@ bool is_read_by_guards(Condition::Kind kind) {
   }
 }
 
-// Appends a guard in postfix order; returns how many values its evaluation keeps at once.
+// Appends a guard in postfix order. Returns the number of values that its evaluation keeps at once.
 std::int32_t compile_condition(const Model& model, const Condition& c, PlanDraft& plan) {
   std::int32_t depth = 1, subject = c.subject;
   for (std::size_t i = 0; i < c.parts.size(); ++i)
@@ -47,8 +47,8 @@ std::int32_t compile_condition(const Model& model, const Condition& c, PlanDraft
 }
 
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
-// Conditions that hold or do not, and cannot change within a sub-step: an `all` reads them first. kEngaged is not among
-// them: it is read in its place.
+// True of conditions that are true or false and cannot change within a sub-step: kAll reads them first. kEngaged is
+// left out: it is read in its place.
 bool is_switch(const Model& model, const Condition& c) {
   return c.kind != Condition::Kind::kQuantity && c.kind != Condition::Kind::kEngaged && is_elementary(c) &&
          get_traits(get_quantity(model, c).kind).holds;

@@ -8,7 +8,7 @@ namespace unlatch {
 
 void compile_events(const Model& model, PlanDraft& plan);
 
-// Some guard reads the step's inputs.
+// True if some guard reads the step's inputs.
 bool has_commanded_guards(const PlanDraft& plan);
 
 }  // namespace unlatch

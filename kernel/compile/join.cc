@@ -12,7 +12,7 @@
 namespace unlatch {
 namespace {
 
-// Appends models to one. Indices of the model that is being appended rise by the number of those before it.
+// Appends models to one. Indices of an appended model are raised by the number of items before its own.
 class Joiner {
  public:
   explicit Joiner(std::span<const Model* const> models) : models_(models.begin(), models.end()) {
@@ -148,7 +148,7 @@ class Joiner {
     });
   }
 
-  // By which indices of these subjects rise; those of elements do not rise by one number.
+  // The number by which indices of these subjects are raised; those of elements are not raised by one number.
   int get_shift(SubjectOf of) const {
     switch (of) {
       case SubjectOf::kNothing:
@@ -227,7 +227,8 @@ class Joiner {
   std::vector<const Model*> models_;
   std::size_t number_ = 0;  // of the model that is being appended
   Model joined_;
-  // Items of the models before it, by which its indices rise; its elements' numbers in the joined model.
+  // Numbers of items of the models before it, by which its indices are raised; its elements' numbers in the joined
+  // model.
   int bodies_ = 0, joints_ = 0, surfaces_ = 0, contacts_ = 0, one_sided_ = 0, channels_ = 0, signals_ = 0,
       impulses_ = 0, events_ = 0, quantities_ = 0, tables_ = 0, laws_ = 0;
   std::vector<int> elements_;

@@ -56,8 +56,8 @@ class Layout {
     plan_.groups.push_back(group);
   }
 
-  // Neighbouring lanes for the group's bodies, in the latest block of eight of narrow groups or, if none are left
-  // there, in a new one. Its SharedBlock lies before the blocks of its first group.
+  // Neighbouring lanes for the group's bodies: in the latest block of eight that narrow groups share or, if none are
+  // left there, in a new one. Its SharedBlock lies before the blocks of its first group.
   void place_bodies(Group& group, bool loaded) {
     const auto find_lane = [&](const BodyEight& eight) {
       for (int lane = 0; lane < kEight; lane += group.width)
@@ -78,7 +78,7 @@ class Layout {
     eight.filled = static_cast<std::uint8_t>(eight.filled | ((1 << group.count) - 1) << lane);
     eight.loaded = eight.loaded || loaded;
     eight_of_.push_back(number);
-    group.body = lane;  // the rest once the bodies' blocks are laid out
+    group.body = lane;  // join_blocks() adds the position of its block of eight
     group.shared = eight.shared + lane;
   }
 
@@ -100,7 +100,7 @@ class Layout {
       if (has_row(group.compliant, r)) take(group.at.pivots[r], 1);
     }
     group.size = static_cast<std::uint8_t>(numbers);
-    const int subtree = group.leaf ? 0 : kNumbers<SubtreeBlock>;
+    const int subtree = group.leaf ? 0 : kSubtreeBeforeSolver;
     group.solver = used_ + subtree * group.width;
     used_ += align((subtree + numbers) * group.width);
     group.joint = joined_;
@@ -108,13 +108,12 @@ class Layout {
     group.at.carried = static_cast<std::int16_t>(group.at.crossed + (group.universal ? 1 : 0));
     group.constants = constants_;
     if (!group.has_joint) return;
-    const int carried = kNumbers<CarriedBlock> + kNumbers<Vec3T> * std::popcount(group.carried);
+    const int carried = kAxesAfterCarried + kNumbers<Vec3T> * std::popcount(group.carried);
     joined_ += align((group.at.carried + carried) * group.width);
-    constants_ +=
-        align((kNumbers<JointConstants> + (group.shared_axes ? 0 : kNumbers<RotationConstants>)) * group.width);
+    constants_ += align((kRotationAfterJoint + (group.shared_axes ? 0 : kNumbers<RotationConstants>)) * group.width);
   }
   // Blocks begin at cache lines.
-  static std::int32_t align(int numbers) { return (numbers + 7) / 8 * 8; }
+  static std::int32_t align(int numbers) { return (numbers + kLineNumbers - 1) / kLineNumbers * kLineNumbers; }
 
   // Bodies come first, then joints, then all that the solver reads.
   void join_blocks() {
@@ -135,8 +134,8 @@ class Layout {
     used_ += solver;
   }
 
-  // Groups that begin the blocks of their parents: the first to come, if they add to all of them at once. Blocks of
-  // flexible bodies and of such that lose mass begin with their own.
+  // Groups that begin the blocks of their parents: the first in the backward pass, if they add to all of them at once.
+  // Blocks of flexible bodies and of bodies that lose mass begin with their own inertia.
   void find_beginnings() {
     std::vector<bool> added(plan_.groups.size(), false), begun(plan_.groups.size(), false);
     const auto get_parent_group = [&](const Group& group, int lane) {
@@ -180,7 +179,7 @@ class Layout {
       }
   }
 
-  // Non-tree joints keep their multipliers behind the blocks.
+  // Multipliers of non-tree joints are behind the blocks.
   void place_joints() {
     plan_.places.resize(model_.bodies.size());
     plan_.multipliers.assign(model_.joints.size(), {kNone, 1});
@@ -206,7 +205,7 @@ class Layout {
       used_ += kRows;
     }
     plan_.block_numbers = used_;
-    // A group without a joint points to the first of them, which is there also if no group has one.
+    // A group without a joint points to the first constants, which exist even if no group has a joint.
     plan_.joint_constants.assign(std::max(at(constants_), std::size_t{kEight}), 0.0);
   }
 
@@ -218,7 +217,7 @@ class Layout {
       const Group& group = plan_.groups[at(joint.group)];
       const Place& place = plan_.places[at(joint.child)];
       c.pivot = find_pivot(group, place, spring.axis);
-      c.acceleration = find_beta(group, place, spring.axis);
+      c.acceleration = find_acceleration(group, place, spring.axis);
       c.side = joint.child == joint.follower ? 1 : -1;
     }
   }

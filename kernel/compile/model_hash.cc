@@ -71,7 +71,7 @@ class Hasher {
   }
   void add_one(const Body& b) {
     add(b.mass, b.inertia, b.p_WB, b.q_WB, b.v_WB, b.w_WB_B);
-    // Models without these keep the hash that they have always had.
+    // Hashed only where they exist: models without them keep their hash.
     if (b.law) add(*b.law);
     if (b.flexible) add(*b.flexible);
     if (b.marker) add(b.marker->body, b.marker->position, b.marker->shape, b.marker->turn);
@@ -136,8 +136,8 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
   if (!model.surfaces.empty()) hasher.add(model.surfaces, model.contacts, model.contact_substeps);
-  // Models without these keep the hash that they have always had. The kinds of elements above are hashed even where
-  // there are none; all others follow here.
+  // Hashed only where they exist: models without them keep their hash. The kinds of elements above are hashed in any
+  // case; all others follow here.
   std::size_t number = 0;
   for_each_kind([&](auto kind) {
     constexpr std::size_t kHashedAbove = 5;  // loads to contacts

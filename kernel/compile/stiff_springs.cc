@@ -18,7 +18,7 @@ using Wrench =
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kRows, kRows>;
 using RowVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRows, 1>;
 
-// The body that carries the mass: a marker's flexible one.
+// The body that has the mass: of a marker its flexible body.
 const Body& get_carrier(const Model& model, const Body& body) {
   return body.marker ? model.bodies[at(body.marker->body)] : body;
 }

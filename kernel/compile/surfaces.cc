@@ -5,7 +5,7 @@
 namespace unlatch {
 namespace {
 
-// The carrier's mobility; of a body with a mass law, that of its lightest knot.
+// Mobility of the body that carries the shapes; with a mass law, that at its lightest knot.
 void add_mobility(const Model& model, PlanShapes& shapes) {
   if (shapes.body == kGround) return;
   const Body* body = &model.bodies[at(shapes.body)];

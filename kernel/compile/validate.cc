@@ -20,7 +20,7 @@ struct Named {
   std::string where, name;
 };
 
-// Names are given, and each once within its kind.
+// Checks that names are given and unique within their kind.
 void check_names(const std::vector<Named>& list, ModelErrors& errors) {
   std::vector<std::string> seen;
   for (const Named& item : list) {
@@ -61,12 +61,12 @@ void check_all_names(const Model& model, ModelErrors& errors) {
 
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
-// Masses and moments of inertia of other sizes leave the range of doubles where the solver multiplies four of them.
+// Range of masses and moments of inertia: the solver multiplies four of them, which must not leave that of doubles.
 constexpr double kSmallest = 1e-60, kLargest = 1e60;
 constexpr const char* kSizes = "greater than 0: from 1e-60 to 1e60";
 bool has_good_size(double number) { return number >= kSmallest && number <= kLargest; }
 
-// Programs for design print I_z = I_x + I_y of a plate to three or four digits: what they miss by is no mistake.
+// Tolerance of the triangle inequality: CAD programs print I_z = I_x + I_y of a plate to three or four digits.
 constexpr double kPlate = 1e-3;
 
 void check_inertia(const Check& check, const Eigen::Matrix3d& J) {
@@ -102,9 +102,9 @@ void check_law(const Check& check, const MassLaw& law) {
   check.check_finite("law", law.exit.allFinite());
 }
 
-// Sizes, and that modal masses are 1: Σ m Φ_k·Φ_l is the trace of Σ m Φ_k Φ_lᵀ.
+// Checks sizes, and that modal masses are 1: Σ m Φ_k·Φ_l is the trace of Σ m Φ_k Φ_lᵀ.
 void check_flexible(const std::string& where, const FlexibleBody& body, ModelErrors& errors) {
-  constexpr double kOrthonormal = 1e-3;  // modes of a lumped mass matrix; the kernel takes what the sums say
+  constexpr double kOrthonormal = 1e-3;  // modes of a lumped mass matrix; the kernel computes with the given sums
   const auto report = [&](const std::string& what, const std::string& mend) {
     errors.push_back({where, what, mend, "flexible"});
   };
@@ -148,7 +148,7 @@ void check_marker(const Model& model, const std::string& where, const Marker& ma
     report("its place or shapes are not finite", "finite values");
 }
 
-// Joints of a flexible body are at its markers.
+// Checks that joints of flexible bodies are at their markers.
 void validate_attachments(const Model& model, ModelErrors& errors) {
   for (const Joint& joint : model.joints)
     for (const int body : {joint.base, joint.follower})

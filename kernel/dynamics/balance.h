@@ -2,15 +2,15 @@
 #pragma once
 
 #include "kernel/plan/evaluation.h"
-#include "unlatch/step.h"
+#include "unlatch/energy.h"
 
 namespace unlatch {
 
-// Needs the kinematics of this state.
+// Of `state`, whose kinematics are in `ev`.
 Balance calc_balance(const PlanData& plan, const State& state, const Evaluation& ev) noexcept;
 
-// The change that a plastic impulse may bring: the momenta that the ground takes, and the energy ½ Λᵀ G v that the
-// closing rows lose. Needs the impulses in ev.multipliers, and the joints' frames from just before it.
+// The change that a plastic impulse may make: the momenta that the ground takes, and the energy ½ Λᵀ G v that the
+// closing rows lose. `ev` has the impulses in its multipliers, and the joints' frames from just before the impulse.
 Balance calc_allowed_change(const PlanData& plan, const State& state, const Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -24,7 +24,7 @@ void update_kinematics(const PlanData& plan, Evaluation& ev) {
   });
 }
 
-// The angular velocity alone, where poses have not changed since.
+// The angular velocity alone; rotations are those of the present poses.
 template <int kWidest>
 void update_angular_velocities(const PlanData& plan, Evaluation& ev) {
   for_bodies<kWidest>(plan, ev, []<class V>(const V v) {
@@ -33,8 +33,8 @@ void update_angular_velocities(const PlanData& plan, Evaluation& ev) {
   });
 }
 
-// Weight, gyroscopic torque and loads that are fixed in the body, from poses and kinematics. Empty lanes have no mass
-// and are away from the centre of gravity, see kernel/integration/load_state.cc.
+// Forces begin with weight, gyroscopic torque and the loads that are fixed in the body. Empty lanes have no mass and
+// are away from the centre of gravity, see kernel/integration/load_state.cc.
 template <int kWidest>
 void init_forces(const PlanData& plan, Evaluation& ev) {
   for_bodies<kWidest>(plan, ev, [&]<class V>(const V v) {

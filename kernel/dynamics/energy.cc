@@ -52,8 +52,8 @@ void add_flexible_body(const PlanData& plan, const State& state, double t, const
   sum.add(PowerSource::kGravity, dot(g, own.momentum));
   sum.flow.force[at(static_cast<int>(PowerSource::kGravity))] += flexible.mass * g;
   const ModalShape shape = get_shape(plan, flexible);
-  for (int k = 0; k < flexible.modes; ++k) {
-    const double eta = coordinates[k], rate = coordinates[flexible.modes + k];
+  for (std::size_t k = 0; k < shape.count_modes(); ++k) {
+    const double eta = coordinates[k], rate = coordinates[shape.count_modes() + k];
     sum.flow.strain += 0.5 * shape.stiffness[k] * eta * eta;
     sum.add(PowerSource::kModes, -shape.damping[k] * rate * rate);
   }
@@ -126,8 +126,8 @@ EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, 
 
 EnergyFlow calc_energy_flow(const Plan& plan, const State& state, const Workspace& workspace,
                             const Vec3& frame) noexcept {
-  return calc_energy_flow(plan.data(), state, plan.data().get_time(state.header->tick),
-                          workspace.data().kept.evaluation, frame);
+  return calc_energy_flow(get_data(plan), state, get_data(plan).get_time(state.header->tick),
+                          get_data(workspace).kept.evaluation, frame);
 }
 
 EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
@@ -142,11 +142,11 @@ EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
 }
 
 Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& workspace) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   if (is_grounded(plan, state, plan.get_time(state.header->tick))) return {0, 0, 0};
   Vec3 momentum = {0, 0, 0};
   double mass = 0;
-  const Evaluation& ev = workspace.data().kept.evaluation;
+  const Evaluation& ev = get_data(workspace).kept.evaluation;
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const PlanBody& body = plan.bodies[b];
     double own = body.mass;
@@ -160,7 +160,7 @@ Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& wo
 }
 
 double calc_drift(const Plan& plan, const State& state, const Workspace& workspace) noexcept {
-  return calc_drift(plan.data(), state, workspace.data().kept.evaluation);
+  return calc_drift(get_data(plan), state, get_data(workspace).kept.evaluation);
 }
 
 }  // namespace unlatch

@@ -1,101 +1,95 @@
 #include "kernel/dynamics/flexible.h"
 
-#include <utility>
+#include <algorithm>
 
 #include "kernel/elements/gravity.h"
 
 namespace unlatch {
 namespace {
 
-Vec3 read(const double* from) { return {from[0], from[1], from[2]}; }
-void write(double* to, const Vec3& a) {
-  to[0] = a.x;
-  to[1] = a.y;
-  to[2] = a.z;
-}
-
-// Σ_k a_k x_k of m vectors.
-Vec3 combine(const double* vectors, const double* sizes, int m) {
+// Σ_k a_k x_k
+Vec3 combine(std::span<const Vec3> vectors, const double* sizes) {
   Vec3 sum{0, 0, 0};
-  for (int k = 0; k < m; ++k) sum += sizes[k] * read(vectors + 3 * k);
+  for (std::size_t k = 0; k < vectors.size(); ++k) sum += sizes[k] * vectors[k];
   return sum;
 }
 
-// A sum of moments.
-struct Dense3 {
-  double n[9];
+void add(Moment& to, double size, const Moment& a) {
+  to = {to.xx + size * a.xx, to.xy + size * a.xy, to.xz + size * a.xz, to.yx + size * a.yx, to.yy + size * a.yy,
+        to.yz + size * a.yz, to.zx + size * a.zx, to.zy + size * a.zy, to.zz + size * a.zz};
+}
+Moment transpose(const Moment& a) { return {a.xx, a.yx, a.zx, a.xy, a.yy, a.zy, a.xz, a.yz, a.zz}; }
+Vec3 times(const Moment& a, const Vec3& x) {
+  return {(a.xx * x.x + a.xy * x.y) + a.xz * x.z, (a.yx * x.x + a.yy * x.y) + a.yz * x.z,
+          (a.zx * x.x + a.zy * x.y) + a.zz * x.z};
+}
 
-  operator Moment() const { return {n}; }
+// Arrays one behind the other in memory; without memory they are only counted.
+class Arrays {
+ public:
+  explicit Arrays(double* memory) : memory_(memory) {}
+
+  template <class T>
+  std::span<T> take(int count) {
+    static_assert(sizeof(T) % sizeof(double) == 0);
+    const int first = used_;
+    used_ += count * static_cast<int>(sizeof(T) / sizeof(double));
+    if (memory_ == nullptr) return {};
+    return {reinterpret_cast<T*>(memory_ + first), at(count)};
+  }
+  template <class T>
+  T* take_one() {
+    return take<T>(1).data();
+  }
+  int get_used() const { return used_; }
+
+ private:
+  double* memory_;
+  int used_ = 0;
 };
-void add(Dense3& to, double size, Moment matrix) {
-  for (int i = 0; i < 9; ++i) to.n[i] += size * matrix.n[i];
-}
-Vec3 times(const Dense3& a, const Vec3& x) {
-  return {(a.n[0] * x.x + a.n[1] * x.y) + a.n[2] * x.z, (a.n[3] * x.x + a.n[4] * x.y) + a.n[5] * x.z,
-          (a.n[6] * x.x + a.n[7] * x.y) + a.n[8] * x.z};
-}
-Vec3 transpose_times(const Dense3& a, const Vec3& x) {
-  return {(a.n[0] * x.x + a.n[3] * x.y) + a.n[6] * x.z, (a.n[1] * x.x + a.n[4] * x.y) + a.n[7] * x.z,
-          (a.n[2] * x.x + a.n[5] * x.y) + a.n[8] * x.z};
-}
 
-// Arrays of a body and of a marker, one behind the other: `take(n)` returns the place of the next n numbers.
-template <class Number, class Take>
-ModalShapeOf<Number> arrange_shape(int m, Take take) {
-  ModalShapeOf<Number> s;
-  s.modes = m;
-  s.momentum = take(3 * m);
-  s.first = take(9 * m);
-  s.second = take(9 * m * m);
-  s.stiffness = take(m);
-  s.damping = take(m);
-  return s;
+// The one place that says how they lie in memory.
+ModalShapeOf<Writable> arrange_shape(int m, Arrays& from) {
+  return {.momentum = from.take<Vec3>(m),
+          .first = from.take<Moment>(m),
+          .second = from.take<Moment>(m * m),
+          .stiffness = from.take<double>(m),
+          .damping = from.take<double>(m)};
 }
-template <class Number, class Take>
-MarkerShapeOf<Number> arrange_marker_shape(int m, Take take) {
-  MarkerShapeOf<Number> s;
-  s.displacement = take(3 * m);
-  s.turn = take(3 * m);
-  return s;
+MarkerShapeOf<Writable> arrange_marker_shape(int m, Arrays& from) {
+  return {.displacement = from.take<Vec3>(m), .turn = from.take<Vec3>(m)};
 }
-template <class Take>
-ModalWork arrange_work(int m, Take take) {
-  ModalWork w;
-  w.force = take(m);
-  w.acceleration = take(m);
-  w.A = take(6 * 6);
-  w.B = {take(6 * m)};
-  w.E = {take(m * m), m};
-  w.C = {take(6 * m)};
-  w.W = {take(6 * m)};
-  w.D = {take(6 * m)};
-  w.free = take(m);
-  w.root = {take(6 * 6), 6};
-  w.root_load = take(6);
-  return w;
+ModalWork arrange_work(int m, Arrays& from) {
+  return {.force = from.take<double>(m),
+          .A = from.take_one<Matrix6>(),
+          .B = from.take<Spatial>(m),
+          .E = {from.take<double>(m * m).data(), m},
+          .C = from.take<Spatial>(m),
+          .W = from.take<Spatial>(m),
+          .D = from.take<Spatial>(m),
+          .free = from.take<double>(m),
+          .root = from.take_one<Matrix6>(),
+          .root_load = from.take_one<Spatial>(),
+          .acceleration = from.take<double>(m)};
 }
-template <class Take>
-MarkerWork arrange_marker(int m, Take take) {
-  MarkerWork w;
-  w.columns = {take(6 * m)};
-  w.arm = take(3);
-  w.bias = take(6);
-  return w;
+MarkerWork arrange_marker(int m, Arrays& from) {
+  return {.columns = from.take<Spatial>(m), .arm = from.take_one<Vec3>(), .bias = from.take_one<Spatial>()};
 }
-// Two ways to take: from memory, and for the count alone.
-template <class Number>
-auto take_from(Number* memory) {
-  return [next = memory](int n) mutable { return std::exchange(next, next + n); };
+template <class Arranged>
+int count_numbers(Arranged (*arrange)(int, Arrays&), int m) {
+  Arrays none(nullptr);
+  arrange(m, none);
+  return none.get_used();
 }
-auto count_into(int& size) {
-  return [&size](int n) -> double* {
-    size += n;
-    return nullptr;
-  };
+// Arrays of a plan, which are only read.
+Arrays get_arrays(const PlanData& plan, std::int32_t first) {
+  return Arrays(const_cast<double*>(plan.modal.data()) + first);
 }
 
 MarkerShape get_marker_shape(const PlanData& plan, const PlanMarker& marker, int m) {
-  return arrange_marker_shape<const double>(m, take_from(plan.modal.data() + marker.numbers));
+  Arrays arrays = get_arrays(plan, marker.numbers);
+  const MarkerShapeOf<Writable> shape = arrange_marker_shape(m, arrays);
+  return {shape.displacement, shape.turn};
 }
 
 struct Coordinates {
@@ -107,10 +101,10 @@ Coordinates get_coordinates(const PlanFlexible& body, const Evaluation& ev) {
 }
 
 // Σ m u Φ_kᵀ
-Dense3 calc_moment(const ModalShape& s, const double* eta, int k) {
-  Dense3 out{};
-  add(out, 1, s.get_first(k));
-  for (int l = 0; l < s.modes; ++l) add(out, eta[l], s.get_second(l, k));
+Moment calc_moment(const ModalShape& s, const double* eta, std::size_t k) {
+  Moment out{};
+  add(out, 1, s.first[k]);
+  for (std::size_t l = 0; l < s.count_modes(); ++l) add(out, eta[l], s.get_second(l, k));
   return out;
 }
 
@@ -118,16 +112,13 @@ Dense3 calc_moment(const ModalShape& s, const double* eta, int k) {
 Sym3 calc_inertia(const PlanFlexible& body, const ModalShape& s, const double* eta) {
   const Sym3& J0 = body.inertia;
   const double half = 0.5 * (J0.xx + J0.yy + J0.zz);
-  Dense3 P{{half - J0.xx, -J0.xy, -J0.xz, -J0.xy, half - J0.yy, -J0.yz, -J0.xz, -J0.yz, half - J0.zz}};
-  for (int k = 0; k < s.modes; ++k) {
-    const Dense3 moment = calc_moment(s, eta, k);
-    const double* G = s.get_first(k).n;
-    const Dense3 transposed{{G[0], G[3], G[6], G[1], G[4], G[7], G[2], G[5], G[8]}};
-    add(P, eta[k], moment);
-    add(P, eta[k], transposed);
+  Moment P{half - J0.xx, -J0.xy, -J0.xz, -J0.xy, half - J0.yy, -J0.yz, -J0.xz, -J0.yz, half - J0.zz};
+  for (std::size_t k = 0; k < s.count_modes(); ++k) {
+    add(P, eta[k], calc_moment(s, eta, k));
+    add(P, eta[k], transpose(s.first[k]));
   }
   const double t = trace(P);
-  return {t - P.n[0], t - P.n[4], t - P.n[8], -P.n[1], -P.n[2], -P.n[5]};
+  return {t - P.xx, t - P.yy, t - P.zz, -P.xy, -P.xz, -P.yz};
 }
 
 // The marker's turn in its body as a Rodrigues vector g, and how it changes.
@@ -135,10 +126,10 @@ struct Turn {
   Vec3 g, g_rate, w;  // w: of the marker relative to the body, body axes
   double scale;       // 1 / (1 + g²)
 };
-Turn calc_turn(const MarkerShape& shape, const Coordinates& c, int m) {
+Turn calc_turn(const MarkerShape& shape, const Coordinates& c) {
   Turn t;
-  t.g = 0.5 * combine(shape.turn, c.eta, m);
-  t.g_rate = 0.5 * combine(shape.turn, c.rate, m);
+  t.g = 0.5 * combine(shape.turn, c.eta);
+  t.g_rate = 0.5 * combine(shape.turn, c.rate);
   t.scale = 1 / (1 + dot(t.g, t.g));
   t.w = (2 * t.scale) * (t.g_rate + cross(t.g, t.g_rate));
   return t;
@@ -155,8 +146,8 @@ struct Carried {
 Carried calc_carried(const PlanData& plan, const PlanMarker& marker, const Mat3& R, const Coordinates& c) {
   const int m = plan.flexible[at(marker.flexible)].modes;
   const MarkerShape shape = get_marker_shape(plan, marker, m);
-  const Vec3 u = marker.position + combine(shape.displacement, c.eta, m);
-  return {u, R * u, combine(shape.displacement, c.rate, m), calc_turn(shape, c, m), R};
+  const Vec3 u = marker.position + combine(shape.displacement, c.eta);
+  return {u, R * u, combine(shape.displacement, c.rate), calc_turn(shape, c), R};
 }
 
 // x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
@@ -167,16 +158,20 @@ BodyState carry(const Carried& marker, const BodyState& body) {
           transpose_times(rotation_matrix(turn), body.w + marker.turn.w)};
 }
 
-// The force of a mode beyond that of an explicit one, in a stage of ROS2; see compliance.h.
-double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Implicit& implicit, const Evaluation& ev,
-                       int k) {
-  const double gamma_h = implicit.gamma_h, rate = ev.auxiliary.now[at(body.auxiliary + body.modes + k)];
-  if (implicit.stage == ImplicitStage::kOff) return 0;
-  if (implicit.stage == ImplicitStage::kFirst) return -gamma_h * s.stiffness[k] * rate;
-  const double first_rate = 2 * ev.auxiliary.sum[at(body.auxiliary + k)];
-  const double first_acceleration = 2 * ev.auxiliary.sum[at(body.auxiliary + body.modes + k)];
-  const double pivot = gamma_h * (gamma_h * s.stiffness[k] + s.damping[k]);
-  return 2 * pivot * first_acceleration - gamma_h * s.stiffness[k] * (rate - 2 * first_rate);
+// The force of a mode beyond that of an explicit one, in a stage of ROS2; see compliance.h. In the second stage the sum
+// of rates is the first rate.
+double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Implicit& implicit, const Auxiliary& x,
+                       std::size_t k) {
+  const std::size_t place = at(body.auxiliary) + k, rate = place + s.count_modes();
+  switch (implicit.stage) {
+    case ImplicitStage::kOff:
+      return 0;
+    case ImplicitStage::kFirst:
+      return calc_first_lead(s.stiffness[k], x.now[rate], implicit.gamma_h);
+    case ImplicitStage::kSecond:
+      return calc_second_lead(s.stiffness[k], s.damping[k], x.now[rate], x.sum[place], x.sum[rate], implicit.gamma_h);
+  }
+  return 0;
 }
 
 BodyState read_body(const Evaluation& ev, int body) {
@@ -191,44 +186,33 @@ void write_body(Evaluation& ev, int body, const BodyState& s) {
 }  // namespace
 
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
-  return arrange_shape<const double>(body.modes, take_from(plan.modal.data() + body.numbers));
+  Arrays arrays = get_arrays(plan, body.numbers);
+  const ModalShapeOf<Writable> s = arrange_shape(body.modes, arrays);
+  return {s.momentum, s.first, s.second, s.stiffness, s.damping};
 }
-int get_shape_size(int m) noexcept {
-  int size = 0;
-  arrange_shape<double>(m, count_into(size));
-  return size;
+int get_shape_size(int modes) noexcept { return count_numbers(arrange_shape, modes); }
+int get_marker_shape_size(int modes) noexcept { return count_numbers(arrange_marker_shape, modes); }
+ModalShapeOf<Writable> place_shape(int modes, double* numbers) noexcept {
+  Arrays arrays(numbers);
+  return arrange_shape(modes, arrays);
 }
-ModalShapeOf<double> place_shape(int m, double* numbers) noexcept {
-  return arrange_shape<double>(m, take_from(numbers));
-}
-
-int get_marker_shape_size(int m) noexcept {
-  int size = 0;
-  arrange_marker_shape<double>(m, count_into(size));
-  return size;
-}
-MarkerShapeOf<double> place_marker_shape(int m, double* numbers) noexcept {
-  return arrange_marker_shape<double>(m, take_from(numbers));
+MarkerShapeOf<Writable> place_marker_shape(int modes, double* numbers) noexcept {
+  Arrays arrays(numbers);
+  return arrange_marker_shape(modes, arrays);
 }
 
 ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept {
-  return arrange_work(body.modes, take_from(ev.modal.data() + body.work));
+  Arrays arrays(ev.modal.data() + body.work);
+  return arrange_work(body.modes, arrays);
 }
-int get_work_size(int m) noexcept {
-  int size = 0;
-  arrange_work(m, count_into(size));
-  return size;
-}
+int get_work_size(int modes) noexcept { return count_numbers(arrange_work, modes); }
 
 MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
   const int m = body.modes, before = get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
-  return arrange_marker(m, take_from(ev.modal.data() + body.work + before));
+  Arrays arrays(ev.modal.data() + body.work + before);
+  return arrange_marker(m, arrays);
 }
-int get_marker_size(int m) noexcept {
-  int size = 0;
-  arrange_marker(m, count_into(size));
-  return size;
-}
+int get_marker_size(int modes) noexcept { return count_numbers(arrange_marker, modes); }
 
 BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
                             const double* coordinates, const double* rates) noexcept {
@@ -247,11 +231,10 @@ void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
       const MarkerWork work = get_marker(body, i, ev);
       const MarkerShape shape = get_marker_shape(plan, marker, body.modes);
       const Turn& t = carried.turn;
-      write(work.arm, carried.arm);
-      for (int k = 0; k < body.modes; ++k) {
-        const Vec3 axis = read(shape.turn + 3 * k);
-        write(work.columns[k], R * read(shape.displacement + 3 * k));
-        write(work.columns[k] + 3, R * (t.scale * (axis + cross(t.g, axis))));
+      *work.arm = carried.arm;
+      for (std::size_t k = 0; k < work.columns.size(); ++k) {
+        const Vec3& axis = shape.turn[k];
+        work.columns[k] = {R * shape.displacement[k], R * (t.scale * (axis + cross(t.g, axis)))};
       }
     }
   }
@@ -280,14 +263,12 @@ void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) 
       Spatial bias{{0, 0, 0}, {0, 0, 0}};
       if (kind == RowTarget::kAcceleration) {
         const MarkerShape shape = get_marker_shape(plan, plan.markers[at(i)], body.modes);
-        const Turn t = calc_turn(shape, c, body.modes);
+        const Turn t = calc_turn(shape, c);
         const Vec3 w_rel = R * t.w;
-        bias.lin =
-            cross(w, cross(w, read(work.arm))) + 2.0 * cross(w, R * combine(shape.displacement, c.rate, body.modes));
+        bias.lin = cross(w, cross(w, *work.arm)) + 2.0 * cross(w, R * combine(shape.displacement, c.rate));
         bias.ang = cross(w, w_rel) - (2 * t.scale * dot(t.g, t.g_rate)) * w_rel;
       }
-      write(work.bias, bias.lin);
-      write(work.bias + 3, bias.ang);
+      *work.bias = bias;
     }
   }
 }
@@ -303,24 +284,24 @@ void add_flexible_forces(const PlanData& plan, double t, const Implicit& implici
     const ModalShape s = get_shape(plan, body);
     const ModalWork work = get_work(body, ev);
     const Coordinates c = get_coordinates(body, ev);
-    const int m = body.modes;
+    const std::size_t m = s.count_modes();
     const Mat3 R = read(blocks, place, &BodyLane::R);
     const Vec3 w = read(blocks, place, &BodyLane::motion).w;
     const Vec3 g = transpose_times(R, calc_free_fall(plan, t, read(blocks, place, &BodyLane::motion).p));
-    const Vec3 moment = combine(s.momentum, c.eta, m), flow = combine(s.momentum, c.rate, m);
-    Dense3 Q{};
-    for (int k = 0; k < m; ++k) {
-      const Dense3 P = calc_moment(s, c.eta, k);
+    const Vec3 moment = combine(s.momentum, c.eta), flow = combine(s.momentum, c.rate);
+    Moment Q{};
+    for (std::size_t k = 0; k < m; ++k) {
+      const Moment P = calc_moment(s, c.eta, k);
       add(Q, c.rate[k], P);
-      Dense3 turning{};
-      for (int l = 0; l < m; ++l) add(turning, c.rate[l], s.get_second(l, k));
+      Moment turning{};
+      for (std::size_t l = 0; l < m; ++l) add(turning, c.rate[l], s.get_second(l, k));
       work.force[k] =
-          ((dot(s.get_momentum(k), g) - 2 * dot(w, cross_of(turning))) - (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
+          ((dot(s.momentum[k], g) - 2 * dot(w, cross_of(turning))) - (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
           (s.stiffness[k] * c.eta[k] + s.damping[k] * c.rate[k]);
-      if (body.implicit) work.force[k] += calc_modal_lead(body, s, implicit, ev, k);
+      if (body.implicit) work.force[k] += calc_modal_lead(body, s, implicit, ev.auxiliary, k);
     }
     const Vec3 force = (body.mass * g - 2.0 * cross(w, flow)) - cross(w, cross(w, moment));
-    const Vec3 torque = cross(moment, g) - 2.0 * (trace(Q) * w - transpose_times(Q, w));
+    const Vec3 torque = cross(moment, g) - 2.0 * (trace(Q) * w - times(transpose(Q), w));
     add(blocks, place, &SharedLane::force, {R * force, R * torque});
   }
 }
@@ -330,7 +311,7 @@ void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept {
     const ModalWork work = get_work(body, ev);
     for (int k = 0; k < body.modes; ++k) {
       ev.auxiliary.rate[at(body.auxiliary + k)] = ev.auxiliary.now[at(body.auxiliary + body.modes + k)];
-      ev.auxiliary.rate[at(body.auxiliary + body.modes + k)] = work.acceleration[k];
+      ev.auxiliary.rate[at(body.auxiliary + body.modes + k)] = work.acceleration[at(k)];
     }
   }
 }
@@ -339,8 +320,7 @@ void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation
   for (const PlanFlexible& body : plan.flexible)
     for (int k = 0; k < body.modes; ++k) {
       const std::size_t x = at(body.auxiliary + k), v = at(body.auxiliary + body.modes + k);
-      const double before =
-          implicit.stage == ImplicitStage::kSecond ? 4 * ev.auxiliary.sum[v] : 0;  // the sum holds half of a1
+      const double before = implicit.stage == ImplicitStage::kSecond ? 2 * ev.auxiliary.sum[v] : 0;
       ev.auxiliary.rate[x] += implicit.gamma_h * (ev.auxiliary.rate[v] - before);
     }
 }
@@ -348,34 +328,38 @@ void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation
 void clear_modal_forces(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
     const ModalWork work = get_work(body, ev);
-    for (int k = 0; k < body.modes; ++k) work.force[k] = 0;
+    std::fill(work.force.begin(), work.force.end(), 0.0);
   }
 }
 
 void add_modal_displacements(const PlanData& plan, Evaluation& ev) noexcept {
-  for (const PlanFlexible& body : plan.flexible)
-    for (int k = 0; k < body.modes; ++k) ev.auxiliary.now[at(body.auxiliary + k)] += get_work(body, ev).acceleration[k];
+  for (const PlanFlexible& body : plan.flexible) {
+    const ModalWork work = get_work(body, ev);
+    for (int k = 0; k < body.modes; ++k) ev.auxiliary.now[at(body.auxiliary + k)] += work.acceleration[at(k)];
+  }
 }
 
 void add_modal_velocities(const PlanData& plan, Evaluation& ev) noexcept {
-  for (const PlanFlexible& body : plan.flexible)
+  for (const PlanFlexible& body : plan.flexible) {
+    const ModalWork work = get_work(body, ev);
     for (int k = 0; k < body.modes; ++k)
-      ev.auxiliary.now[at(body.auxiliary + body.modes + k)] += get_work(body, ev).acceleration[k];
+      ev.auxiliary.now[at(body.auxiliary + body.modes + k)] += work.acceleration[at(k)];
+  }
 }
 
 Balance calc_flexible_balance(const PlanData& plan, const PlanFlexible& body, const BodyState& state,
                               const double* coordinates) noexcept {
   const ModalShape s = get_shape(plan, body);
-  const int m = body.modes;
+  const std::size_t m = s.count_modes();
   const double *eta = coordinates, *rate = coordinates + m;
   const Mat3 R = rotation_matrix(state.q);
-  const Vec3 moment = combine(s.momentum, eta, m);
-  const Vec3 flow = cross(state.w, moment) + combine(s.momentum, rate, m);
-  Dense3 Q{};
+  const Vec3 moment = combine(s.momentum, eta);
+  const Vec3 flow = cross(state.w, moment) + combine(s.momentum, rate);
+  Moment Q{};
   double modal = 0;
-  for (int k = 0; k < m; ++k) {
+  for (std::size_t k = 0; k < m; ++k) {
     add(Q, rate[k], calc_moment(s, eta, k));
-    for (int l = 0; l < m; ++l) modal += rate[k] * rate[l] * trace(s.get_second(k, l));
+    for (std::size_t l = 0; l < m; ++l) modal += rate[k] * rate[l] * trace(s.get_second(k, l));
   }
   const Vec3 spin = calc_inertia(body, s, eta) * state.w, turning = cross_of(Q), flow_W = R * flow;
   Balance out;

@@ -5,115 +5,112 @@
 //   S_k = Σ m Φ_k    G_k = Σ m r Φ_kᵀ    H_kl = Σ m Φ_k Φ_lᵀ    (sums over the particles; H_kk has trace 1)
 //
 // Joints, loads and sensors are at markers, frames without mass that the body carries: at r + Φ η, turned by the
-// Rodrigues vector Ψ η / 2. To the rest of the kernel a marker is a body.
+// Rodrigues vector Ψ η / 2. The rest of the kernel treats a marker as a body.
 //
-// In the tree a flexible body is a node between its markers. It takes in the blocks of the markers beyond it, and
-// passes on, at the marker that it is held by, what is left when its modal coordinates are eliminated: a block of 6 + m
-// becomes one of 6, see flexible_solver.cc. Plain doubles, not lanes; models without flexible bodies do nothing here.
+// In the tree a flexible body is a node between its markers. The blocks of its outboard markers are added to its own,
+// its modal coordinates are eliminated, and the block that is left, of 6 rows instead of 6 + m, is added to the marker
+// that holds it, see flexible_solver.cc. Plain doubles, not lanes; models without flexible bodies do nothing here.
 #pragma once
 
 #include "kernel/elements/compliance.h"
 #include "kernel/joints/joint_motion.h"
-#include "kernel/math/lower_triangle.h"
+#include "kernel/math/matrix6.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 
-// Nine numbers of a 3×3 matrix Σ m a bᵀ, by rows.
+// A 3×3 matrix Σ m a bᵀ.
 struct Moment {
-  const double* n;
+  double xx, xy, xz, yx, yy, yz, zx, zy, zz;
 };
-UNLATCH_INLINE double trace(Moment a) { return (a.n[0] + a.n[4]) + a.n[8]; }
+UNLATCH_INLINE double trace(const Moment& a) { return (a.xx + a.yy) + a.zz; }
 // Σ m a × b
-UNLATCH_INLINE Vec3 cross_of(Moment a) { return {a.n[5] - a.n[7], a.n[6] - a.n[2], a.n[1] - a.n[3]}; }
+UNLATCH_INLINE Vec3 cross_of(const Moment& a) { return {a.yz - a.zy, a.zx - a.xz, a.xy - a.yx}; }
 
-// Numbers of a flexible body with m modes in PlanData::modal; Number is double where they are written, const double
-// where they are read.
-template <class Number>
+// Numbers of a flexible body in PlanData::modal, per mode; `Access` makes them const where they are only read.
+template <template <class> class Access>
 struct ModalShapeOf {
-  int modes;
-  Number* momentum;   // 3 m: S
-  Number* first;      // 9 m: G
-  Number* second;     // 9 m²: H, kl
-  Number* stiffness;  // m: ω², 1/s²
-  Number* damping;    // m: 2 ζ ω, 1/s
+  std::span<Access<Vec3>> momentum;     // S_k
+  std::span<Access<Moment>> first;      // G_k
+  std::span<Access<Moment>> second;     // H_kl; see get_second()
+  std::span<Access<double>> stiffness;  // ω², 1/s²
+  std::span<Access<double>> damping;    // 2 ζ ω, 1/s
 
-  Vec3 get_momentum(int k) const { return {momentum[3 * k], momentum[3 * k + 1], momentum[3 * k + 2]}; }
-  Moment get_first(int k) const { return {first + 9 * k}; }
-  Moment get_second(int k, int l) const { return {second + 9 * (k * modes + l)}; }
+  std::size_t count_modes() const { return momentum.size(); }
+  const Moment& get_second(std::size_t k, std::size_t l) const { return second[k * count_modes() + l]; }
 };
-using ModalShape = ModalShapeOf<const double>;
+// Numbers of a marker there, per mode.
+template <template <class> class Access>
+struct MarkerShapeOf {
+  std::span<Access<Vec3>> displacement, turn;  // Φ_k, Ψ_k
+};
+template <class T>
+using Writable = T;
+template <class T>
+using ReadOnly = const T;
+using ModalShape = ModalShapeOf<ReadOnly>;
+using MarkerShape = MarkerShapeOf<ReadOnly>;
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept;
 
-// Numbers of a marker in PlanData::modal: its displacement Φ and its turn Ψ, three per mode.
-template <class Number>
-struct MarkerShapeOf {
-  Number *displacement, *turn;
-};
-using MarkerShape = MarkerShapeOf<const double>;
-
-// How many these are, and their places from a first one on, for the compilation.
+// Counts of these numbers, and their arrays from a first one on, for the compilation.
 int get_shape_size(int modes) noexcept;
 int get_marker_shape_size(int modes) noexcept;
-ModalShapeOf<double> place_shape(int modes, double* numbers) noexcept;
-MarkerShapeOf<double> place_marker_shape(int modes, double* numbers) noexcept;
+ModalShapeOf<Writable> place_shape(int modes, double* numbers) noexcept;
+MarkerShapeOf<Writable> place_marker_shape(int modes, double* numbers) noexcept;
 
-// Six numbers per mode, one mode behind the other.
-struct SixPerMode {
-  double* numbers;
-
-  UNLATCH_INLINE double* operator[](int mode) const { return numbers + 6 * mode; }
-};
-
-// Memory for the evaluation of one flexible body with m modes at one stage; six-vectors in world axes.
+// Memory for the evaluation of one flexible body at one stage. Arrays are per mode; spatial vectors in world axes.
 struct ModalWork {
-  // computed by add_flexible_forces(), then by the solver
-  double* force;         // m, on the modal coordinates
-  double* acceleration;  // m: second derivatives of the modal coordinates, or their corrections
-  double* A;             // 6 × 6 by rows: block of the body and all beyond it
-  SixPerMode B;          // its coupling with the modal coordinates
-  LowerTriangle E;       // m × m: block of the modal coordinates, then its factor
-  SixPerMode C;          // B at the marker that holds the body
-  SixPerMode W;          // E⁻¹ Cᵀ
-  SixPerMode D;          // how the modal coordinates move the frame when the marker stays
-  double* free;          // m: E⁻¹ times the load of the modal coordinates
-  // where nothing holds the body:
-  LowerTriangle root;  // 6 × 6: factor of the block that is left
-  double* root_load;   // 6
+  // computed by add_flexible_forces()
+  std::span<double> force;  // on the modal coordinates
+  // computed by the solver's backward pass (flexible_solver.cc)
+  Matrix6* A;              // block of the body and all outboard of it
+  std::span<Spatial> B;    // its coupling with the modal coordinates
+  LowerTriangle E;         // block of the modal coordinates, then its factor
+  std::span<Spatial> C;    // B at the marker that holds the body
+  std::span<Spatial> W;    // E⁻¹ Cᵀ
+  std::span<Spatial> D;    // motion of the frame per modal coordinate while that marker stays
+  std::span<double> free;  // E⁻¹ times the load of the modal coordinates
+  // likewise, where nothing holds the body
+  Matrix6* root;       // lower triangle: factor of the block that is left
+  Spatial* root_load;  // the load that is left
+  // computed by its forward pass
+  std::span<double> acceleration;  // second derivatives of the modal coordinates, or their corrections
 };
 ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept;
-int get_work_size(int m) noexcept;
+int get_work_size(int modes) noexcept;
 
-// Motion of one marker relative to its body at one stage, world axes. Computed by update_markers() and
-// update_marker_biases().
+// Motion of one marker relative to its body at one stage, world axes.
 struct MarkerWork {
-  SixPerMode columns;  // velocity and angular velocity of the marker per modal rate
-  double* arm;         // 3: from the body's origin
-  double* bias;        // 6: what its acceleration is beyond that
+  // computed by update_markers()
+  std::span<Spatial> columns;  // its velocity and angular velocity per modal rate
+  Vec3* arm;                   // from the body's origin
+  // computed by update_marker_biases()
+  Spatial* bias;  // its acceleration beyond those of the body and the modal coordinates
 };
 MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
-int get_marker_size(int m) noexcept;
+int get_marker_size(int modes) noexcept;
 
-// Poses and velocities of all markers, from their bodies and ev.auxiliary.
+// Poses and velocities of all markers, from their bodies and the modal coordinates.
 void update_markers(const PlanData& plan, Evaluation& ev) noexcept;
 // One marker's, given its body's and the modal coordinates with their rates.
 BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
                             const double* coordinates, const double* rates) noexcept;
 
-// Inertias in world axes, after update_kinematics().
+// Inertias in world axes, from the bodies' rotations and the modal coordinates.
 void update_flexible_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
-// For accelerations; zero for corrections.
+// Biases of the markers for accelerations; zero for corrections.
 void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) noexcept;
-// Weight, centrifugal and Coriolis forces, stiffness and damping; the gyroscopic torque of the frame is there.
+// Adds weight, centrifugal and Coriolis forces, stiffness and damping. The gyroscopic torque of the frame is among the
+// forces with which init_forces() begins.
 void add_flexible_forces(const PlanData& plan, double t, const Implicit& implicit, Evaluation& ev) noexcept;
-// Takes the modal accelerations of the latest solution for rates of ev.auxiliary.
+// Rates of the modal coordinates in ev.auxiliary, with the accelerations of the latest solution.
 void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept;
 // At the end of a stage of ROS2, see compliance.h: x' = v + γh a1 of the first, x' = v + γh (a2 − 2 a1) of the second.
 void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept;
-// Nothing pushes the modal coordinates.
+// No force on the modal coordinates.
 void clear_modal_forces(const PlanData& plan, Evaluation& ev) noexcept;
-// Takes the latest solution as a displacement of the modal coordinates, or as a change of their rates.
+// Adds the latest solution to the modal coordinates, as a displacement; to their rates, as a change of velocity.
 void add_modal_displacements(const PlanData& plan, Evaluation& ev) noexcept;
 void add_modal_velocities(const PlanData& plan, Evaluation& ev) noexcept;
 

@@ -3,18 +3,13 @@
 // set, see kernel/simd/pack.h.
 //
 //   RK4    k1 … k4 with the weights 1/6, 1/3, 1/3, 1/6: begin_stages, advance_stage twice, finish_stages
-//   ROS2   kernel/elements/compliance.h: restart, finish_first_stage, finish_second_stage; `gamma_h` is γ h
+//   ROS2   kernel/elements/compliance.h: restart, finish_first_stage, finish_second_stage; `gamma_h` is γ h. Both rates
+//          have the weight 1, and the motion goes h/2 along their sum, so that in between the sum is the first rate.
 #pragma once
 
 #include "kernel/dynamics/body_motion.h"
 
 namespace unlatch::UNLATCH_ISA {
-
-template <class T>
-UNLATCH_INLINE QuatT<T> normalized(const QuatT<T>& q) {
-  const T s = T(1) / sqrt(norm_squared(q));
-  return {q.w * s, q.x * s, q.y * s, q.z * s};
-}
 
 template <class T, int W>
 UNLATCH_INLINE MotionT<T> load(const MotionT<Wide<W>>& a) {
@@ -111,7 +106,7 @@ void advance_stage(const PlanData& plan, Evaluation& ev, double weight, double h
   }
 }
 
-// Auxiliary states `h` seconds from the beginning along their sum, to which `weight` of the present rates is added.
+// Adds `weight` of the present rates to the sum; auxiliary states go `h` seconds from the beginning along the sum.
 inline void finish_auxiliary(const Auxiliary& x, double weight, double h) {
   for (std::size_t i = 0; i < x.now.size(); ++i) {
     x.sum[i] += weight * x.rate[i];
@@ -142,8 +137,7 @@ void restart(const PlanData& plan, Evaluation& ev) {
   for (std::size_t i = 0; i < x.now.size(); ++i) x.now[i] = x.start[i];
 }
 
-// With a = a1: x' = v + γh a, v' = a. The sum keeps these rates; of auxiliary states, whose rates are led already
-// (lead_modal_rates() in flexible.h), half of them.
+// With a = a1: x' = v + γh a, v' = a. Auxiliary states have such rates already (lead_modal_rates() in flexible.h).
 template <int kWidest>
 void finish_first_stage(const PlanData& plan, Evaluation& ev, double h, double gamma_h) {
   for_bodies<kWidest>(plan, ev, [&]<class V>(const V v) {
@@ -157,13 +151,13 @@ void finish_first_stage(const PlanData& plan, Evaluation& ev, double h, double g
   });
   const Auxiliary& x = ev.auxiliary;
   for (std::size_t i = 0; i < x.now.size(); ++i) {
-    x.sum[i] = 0.5 * x.rate[i];
+    x.sum[i] = x.rate[i];
     x.now[i] = x.start[i] + h * x.rate[i];
   }
 }
 
-// With a = a2: x' = v + γh (a − 2 a1), v' = a; the quaternion's part of A stays that of the beginning. Then the mean of
-// both stages.
+// With a = a2: x' = v + γh (a − 2 a1), v' = a; the quaternion's part of A stays that of the beginning. Then h/2 along
+// the sum of both rates.
 template <int kWidest>
 void finish_second_stage(const PlanData& plan, Evaluation& ev, double h, double gamma_h) {
   for_bodies<kWidest>(plan, ev, [&]<class V>(const V v) {
@@ -177,7 +171,7 @@ void finish_second_stage(const PlanData& plan, Evaluation& ev, double h, double 
     end.q = normalized(end.q);
     place(v, end);
   });
-  finish_auxiliary(ev.auxiliary, 0.5, h);
+  finish_auxiliary(ev.auxiliary, 1, 0.5 * h);
 }
 
 // --- Corrections -----------------------------------------------------------------------------------------------------

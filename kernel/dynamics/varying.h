@@ -15,20 +15,21 @@
 
 namespace unlatch {
 
-// Which slope of a law in time counts at a knot, where the law has two: the last stage of a step belongs to the piece
-// before the knot, everything else to the piece after it.
+// The piece of a law in time whose slope is used at a knot: the last stage of a step uses that before the knot,
+// everything else that after it.
 enum class KnotSide { kBefore, kAfter };
 
-// Masses by the law at `t` and ev.auxiliary.
+// ev.varying, but for the world axes: masses by the law at `t` and ev.auxiliary.now.
 void update_masses(const PlanData& plan, double t, KnotSide side, Evaluation& ev) noexcept;
 
-// Centres of mass and inertias in world axes, after update_kinematics().
+// Centres of mass and inertias in world axes, from ev.varying and the bodies' rotations.
 void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 
-// Weight, centrifugal force, jet damping; the gyroscopic torque is there. After the loads, which tell what is burnt.
+// Adds weight, centrifugal force and jet damping to the bodies' forces, from ev.varying and the rate at which loads
+// burn, ev.auxiliary.rate. The gyroscopic torque is among the forces with which init_forces() begins.
 void add_varying_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
-// The blocks of the solver begin with the inertia about the centre of mass; adds what the mass makes of them.
+// Adds the mass to the solver's blocks, which begin with the inertia about the centre of mass.
 void add_varying_blocks(const PlanData& plan, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

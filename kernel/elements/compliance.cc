@@ -5,13 +5,6 @@
 #include "kernel/elements/kinds/load.h"
 
 namespace unlatch {
-namespace {
-
-double calc_pivot(const CompliantSpring& spring, double gamma_h) {
-  return gamma_h * (gamma_h * spring.stiffness + spring.damping);
-}
-
-}  // namespace
 
 bool is_stiff(const PlanData& plan, const State& state, double t) noexcept {
   for (const PlanFlexible& body : plan.flexible)
@@ -29,7 +22,8 @@ Implicit begin_compliance(const PlanData& plan, const State& state, double t, do
     const PlanJointSpring& spring = plan.joint_springs[at(c.spring)];
     const double scale = calc_scale(state.elements[at(spring.element)], t + 0.5 * h);
     ev.compliant[i] = {scale * spring.stiffness, scale * spring.damping, 0, 0, 0, 0};
-    c.pivot.in(blocks) += calc_pivot(ev.compliant[i], kGamma * h);  // several may share a freedom
+    const CompliantSpring& own = ev.compliant[i];
+    c.pivot.in(blocks) += calc_implicit_pivot(own.stiffness, own.damping, kGamma * h);  // several may share a freedom
   }
   return {ImplicitStage::kFirst, h, kGamma * h};
 }
@@ -54,12 +48,12 @@ double calc_lead(const CompliantSpring& spring, const Implicit& implicit, double
     case ImplicitStage::kOff:
       return 0;
     case ImplicitStage::kFirst:
-      return -gamma_h * spring.stiffness * rate;
+      return calc_first_lead(spring.stiffness, rate, gamma_h);
     case ImplicitStage::kSecond:
       x = spring.second_place;
       rate = spring.second_rate;
-      return 2 * calc_pivot(spring, gamma_h) * spring.first_acceleration -
-             gamma_h * spring.stiffness * (rate - 2 * spring.first_rate);
+      return calc_second_lead(spring.stiffness, spring.damping, rate, spring.first_rate, spring.first_acceleration,
+                              gamma_h);
   }
   return 0;
 }

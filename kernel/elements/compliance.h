@@ -28,17 +28,27 @@ struct Implicit {
   double h = 0, gamma_h = 0;  // s
 };
 
-// An element that is integrated implicitly is on at time t.
+// True if some element that is integrated implicitly is on at time t.
 bool is_stiff(const PlanData& plan, const State& state, double t) noexcept;
 
 // The first stage of a sub-step of h seconds from t: stiffnesses, dampings and what they add to their freedoms' pivots.
 Implicit begin_compliance(const PlanData& plan, const State& state, double t, double h, Evaluation& ev) noexcept;
-// From the first stage's solution to the second stage.
+// The second stage, from the first stage's solution.
 Implicit begin_second_stage(const PlanData& plan, const Implicit& first, Evaluation& ev) noexcept;
 
-// The spring's effort at the present stage beyond that of an explicit one, N or N m. In the second stage `x` and `rate`
-// become the method's values of the coordinate instead of those of the bodies' stage, which are off along their
-// tangents by some h²: a large force where the spring is stiff.
+// What a spring of stiffness k and damping d, or a mode, adds to the pivot of its freedom: e (e k + d).
+inline double calc_implicit_pivot(double k, double d, double gamma_h) { return gamma_h * (gamma_h * k + d); }
+// Its effort beyond that of an explicit one, N or N m, in the first and in the second stage, at the rate of its
+// coordinate at that stage. `first_rate`, `first_acceleration`: k1 of the coordinate and of its rate.
+inline double calc_first_lead(double k, double rate, double gamma_h) { return -gamma_h * k * rate; }
+inline double calc_second_lead(double k, double d, double rate, double first_rate, double first_acceleration,
+                               double gamma_h) {
+  return 2 * calc_implicit_pivot(k, d, gamma_h) * first_acceleration - gamma_h * k * (rate - 2 * first_rate);
+}
+
+// The same of a spring in a joint at the present stage. In the second stage `x` and `rate` become the method's values
+// of the coordinate instead of those of the bodies' stage, which are off along their tangents by some h²: a large force
+// where the spring is stiff.
 double calc_lead(const CompliantSpring& spring, const Implicit& implicit, double& x, double& rate) noexcept;
 
 }  // namespace unlatch

@@ -56,17 +56,17 @@ struct StageMotion {
   const Implicit& implicit() const { return now.implicit; }
 };
 
-// The same from the state at the end of a step, for readings: bodies' frames from the state, coordinates and sizes from
-// the evaluation that the step has kept. Lines of joints are not known.
+// The same at the end of a step, for readings: bodies' frames from the state, coordinates and sizes from the
+// evaluation. Lines of joints are not known.
 struct FinalMotion {
   const PlanData& data;
-  const State& own_state;
-  const Evaluation& ev;
+  const FinalEvaluation& kept;
+  const Evaluation& ev = kept.evaluation;
 
   const PlanData& plan() const { return data; }
-  const State& state() const { return own_state; }
-  double time() const { return data.get_time(own_state.header->tick); }
-  BodyFrame get_frame(int body) const { return calc_body_frame(own_state, body); }
+  const State& state() const { return kept.state; }
+  double time() const { return data.get_time(state().header->tick); }
+  BodyFrame get_frame(int body) const { return calc_body_frame(state(), body); }
   JointLine get_line(int, int) const { return {}; }
   Implicit implicit() const { return {}; }
 };
@@ -79,6 +79,16 @@ inline ElementTraits describe_in_joint(const char* kind, const Model& model, int
   traits.base = model.joints[at(joint)].base;
   traits.follower = model.joints[at(joint)].follower;
   return traits;
+}
+
+// The line to a point at `between` from another one. Points that coincide have no direction: it is 0.
+struct PointLine {
+  double length;
+  Vec3 direction;
+};
+inline PointLine calc_line(const Vec3& between) {
+  const double length = norm(between);
+  return {length, length > 0 ? (1.0 / length) * between : Vec3{0, 0, 0}};
 }
 
 // ½ k x²

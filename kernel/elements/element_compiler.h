@@ -1,4 +1,4 @@
-// ElementCompiler: what kinds of elements ask for while they are compiled: coordinates of joints, profiles.
+// ElementCompiler: the plan as kinds of elements see it while they are compiled, with coordinates of joints, profiles.
 #pragma once
 
 #include <map>
@@ -15,11 +15,11 @@ class ElementCompiler {
   ElementCompiler(const Model& own_model, PlanDraft& own_plan);
 
   const Model& model;  // valid, with its markers placed
-  PlanDraft& plan;      // bodies, joints, modes and implicit springs are compiled
+  PlanDraft& plan;     // bodies, joints, modes and implicit springs are compiled
 
   // Number of the element that is being compiled, in the one numbering of all elements.
   [[nodiscard]] std::int32_t get_element() const { return static_cast<std::int32_t>(plan.element_scales.size()) - 1; }
-  // Place in PlanData::coordinates of a joint's axis; coordinates that nobody asks for are not computed.
+  // Place in PlanData::coordinates of a joint's axis; only coordinates for which this was called are computed.
   std::int32_t find_coordinate(int joint, int axis);
   // Place in PlanData::profiles. Loads with one law share its profile: four boosters have one thrust curve.
   std::int32_t find_profile(const Profile& profile);

@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// `element`: as in State::elements. Needs the evaluation of this instant.
+// `element`: as in State::elements. `ev`: the evaluation of this instant.
 ElementReading calc_element(const Instant& now, const Evaluation& ev, int element) noexcept;
 
 }  // namespace unlatch

@@ -4,7 +4,6 @@
 #include "kernel/plan/plan_data.h"
 #include "unlatch/energy.h"
 #include "unlatch/state.h"
-#include "unlatch/step.h"
 
 namespace unlatch {
 

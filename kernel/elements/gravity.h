@@ -8,7 +8,7 @@
 
 namespace unlatch {
 
-// At the point that get_point() gives, in W; it is asked for only where there is a central field.
+// At the point get_point(), W, which is called only if there is a central field.
 template <class T, class GetPoint>
 UNLATCH_INLINE Vec3T<T> calc_gravity(const GravityField& field, const GetPoint& get_point) {
   using std::sqrt;

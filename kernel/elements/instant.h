@@ -6,7 +6,7 @@
 #include "kernel/elements/compliance.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/state.h"
-#include "unlatch/step.h"
+#include "unlatch/step_data.h"
 
 namespace unlatch {
 

@@ -5,8 +5,8 @@
 
 namespace unlatch {
 SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept {
-  const PlanPointSpring& own = plan.data().point_springs[at(spring)];
-  const double scale = calc_scale(state.elements[at(own.element)], plan.data().get_time(state.header->tick));
+  const PlanPointSpring& own = get_data(plan).point_springs[at(spring)];
+  const double scale = calc_scale(state.elements[at(own.element)], get_data(plan).get_time(state.header->tick));
   const PointSpringForce f =
       PointSpringKind::calc_force(own, calc_body_frame(state, own.base), calc_body_frame(state, own.follower), scale);
   return {f.length, scale == 0 ? 0 : f.size, scale};
@@ -39,8 +39,8 @@ ElementReading calc_element(const Instant& now, const Evaluation& ev, int elemen
   return read_element(StageMotion{now, ev}, element);
 }
 
-ElementReading calc_element(const Plan& plan, const State& state, const Workspace& workspace, int element) noexcept {
-  return read_element(FinalMotion{plan.data(), state, workspace.data().kept.evaluation}, element);
+ElementReading calc_element(const Plan& plan, const Workspace& workspace, int element) noexcept {
+  return read_element(FinalMotion{get_data(plan), get_data(workspace).kept}, element);
 }
 
 std::span<const double> get_modal_rates(const Plan& plan, const State& state, int body) noexcept {

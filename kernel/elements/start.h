@@ -7,7 +7,7 @@
 
 namespace unlatch {
 
-// Frames from the model's initial poses.
+// Bodies' frames at the model's initial poses.
 struct StartMotion {
   const Model& model;
 

@@ -1,13 +1,13 @@
-// Estimates by which event_search.cc locates events within a sub-step: where a guard crosses zero, and how high one
-// rises that stands below zero at both ends. Times from the beginning of the sub-step, s.
+// Estimates by which event_search.cc locates events within a sub-step: where a guard crosses zero, and how high a guard
+// rises that is below zero at both ends. Times are from the beginning of the sub-step, s.
 #pragma once
 
 #include <cmath>
 
 namespace unlatch {
 
-// The earliest crossing of guards: none has crossed at `from`, one has at `to`. `other`: the end that was replaced
-// last, outside.
+// Interval that contains the earliest crossing: no guard has crossed at `from`, one has at `to`. `other`: the end that
+// was replaced last, outside of it.
 struct Bracket {
   double from, to, other;
   bool narrowed = false;  // there is an `other`
@@ -26,8 +26,8 @@ struct Crossing {
   bool sure;  // by three values that rise with time
 };
 
-// Zero of the inverse parabola through the three points; of the chord of the bracketing two where these do not rise, or
-// the parabola leaves the bracket.
+// Zero of the inverse parabola through the three points; where they do not rise, or the parabola leaves the bracket,
+// that of the chord between its ends.
 inline Crossing interpolate(const Bracket& b, double at_from, double at_to, double at_other) {
   const double chord = b.from + (b.to - b.from) * (at_from / (at_from - at_to));
   if (!b.narrowed) return {chord, false};
@@ -46,7 +46,7 @@ struct Flank {
   double time, value, rate;
 };
 
-// Time from `left` on at which the tangents of a function meet that rises there and falls at `right`.
+// Time after `left` at which the tangents at both ends intersect, of a function that rises at `left`, falls at `right`.
 inline double calc_meeting(const Flank& left, const Flank& right) {
   const double h = right.time - left.time;
   return ((right.value - left.value) - right.rate * h) / (left.rate - right.rate);
@@ -57,15 +57,15 @@ inline double calc_bound(const Flank& left, const Flank& right) {
   return left.value + left.rate * calc_meeting(left, right);
 }
 
-// A function that stands below zero at both ends, rises at `left` and falls at `right` may come to zero between them:
-// the tangents meet above it.
+// True if a function that is below zero at both ends, rises at `left` and falls at `right` may reach zero in between:
+// its tangents intersect above zero.
 inline bool may_peak(const Flank& left, const Flank& right) {
   if (!(left.rate > 0 && right.rate < 0 && left.value < 0 && right.value < 0)) return false;
   const double meeting = calc_meeting(left, right);
   return meeting > 0 && meeting < right.time - left.time && calc_bound(left, right) >= 0;
 }
 
-// Time at which the cubic through both flanks is greatest; in the inner seven eighths.
+// Time at which the cubic through both flanks is greatest, within the inner seven eighths of the interval.
 inline double calc_peak(const Flank& left, const Flank& right) {
   const double h = right.time - left.time, rise = 6 * (right.value - left.value);
   const double first = h * left.rate, last = h * right.rate;

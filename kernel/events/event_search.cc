@@ -10,14 +10,14 @@
 namespace unlatch {
 namespace {
 
-// Part of a guard's change over the sub-step: events that would cross within it are taken as simultaneous.
+// Part of a guard's change over the sub-step: events whose guards are within it of zero count as simultaneous.
 constexpr double kSimultaneous = 1e-6;
-// Part of the sub-step: an event is located when the next try would be nearer than this to the last one.
+// Part of the sub-step: an event is located once the next try would be nearer than this to the latest one.
 constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
-constexpr int kMostLooks = 8;  // tries of a sub-step that look for touches within it
+constexpr int kMostLooks = 8;  // tries that search for touches within a sub-step
 
-// Tries the sub-step from its start to `end`: an evaluation of the latter, guards included.
+// Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
 bool try_substep(Run& run, const SubstepStart& start, double end) {
   ++run.report.substeps;
   const Instant now = run.get_instant(end);
@@ -48,12 +48,12 @@ int count_crossings(const Run& run) {
   const double* high = run.search().guards_high.data();
   int count = 0;
   for (std::size_t e = 0; e < run.ev().guards.size(); ++e)
-    if (high[e] >= 0 && crosses(run, e)) ++count;  // few stand there: the rest in two instructions
+    if (high[e] >= 0 && crosses(run, e)) ++count;  // few guards are ≥ 0: the others take two instructions
   return count;
 }
 
-// The first crossing within the bracket whose ends are in guards_low and guards_high, its third point in guards_middle.
-// `first`: its guard.
+// The first crossing within the bracket. Values of the guards at its ends are in guards_low and guards_high, at the
+// third point in guards_middle. `first`: the guard that crosses.
 Crossing estimate(const Run& run, const Bracket& bracket, std::size_t& first) {
   const EventSearch& s = run.search();
   Crossing earliest{bracket.to, false};
@@ -69,7 +69,7 @@ Crossing estimate(const Run& run, const Bracket& bracket, std::size_t& first) {
   return earliest;
 }
 
-// The bracket less what the latest try, at `x`, rules out.
+// Replaces one end of the bracket by the latest try, at `x`.
 void narrow(const Run& run, double x, Bracket& bracket) {
   const EventSearch& s = run.search();
   bool crossed = false;
@@ -80,7 +80,7 @@ void narrow(const Run& run, double x, Bracket& bracket) {
   bracket.narrow(x, crossed);
 }
 
-// Some event that crosses begins within its tolerance of zero, as the lift of a contact that has just closed.
+// True if some guard that crosses starts within its tolerance of zero, like the lift of a contact that has just closed.
 bool begins_at_zero(const Run& run) {
   const EventSearch& s = run.search();
   bool found = false;
@@ -89,20 +89,20 @@ bool begins_at_zero(const Run& run) {
   return found;
 }
 
-// The latest try has the guard of an event about as near to zero as it is taken for zero; that of a step in it has not.
+// True if guard `e` is near zero at the latest try, compared with its tolerance. A guard that jumps is not.
 bool is_near_zero(const Run& run, std::size_t e) {
   constexpr double kSteep = 10;  // slope at the crossing over that of the whole sub-step
   return std::fabs(run.ev().guards[e]) <= kSteep * run.search().tolerances[e];
 }
 
-// The number that a report gives a guard: that of its event; behind the events that of its pair's contact.
+// Number of a guard in reports: that of its event, or, after all events, that of the contact of its pair.
 std::int32_t get_reported_guard(const PlanData& plan, std::size_t guard) {
   const std::size_t events = plan.events.size();
   if (guard < events) return static_cast<std::int32_t>(guard);
   return static_cast<std::int32_t>(events) + plan.contact_pairs[guard - events].contact;
 }
 
-// The tries ran out: the instant of the event `first` is known to an interval that is wider than the tolerance.
+// Reports that the tries were used up while the instant of event `first` was known to no less than `interval`.
 void note_unlocated(Run& run, std::size_t first, double interval) {
   OpenSearch& open = run.report.open;
   ++open.unlocated;
@@ -111,26 +111,26 @@ void note_unlocated(Run& run, std::size_t first, double interval) {
   open.guard = get_reported_guard(run.plan, first);
 }
 
-// Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
-// that instant and returns its time, or kFailed. `first`: its guard.
+// Locates the first crossing within the sub-step; values at its ends are in guards_low and guards_high. Leaves the
+// evaluation of that instant and returns its time, or kFailed. `first`: the guard that crosses.
 //
-// Tries follow the inverse parabola, after the second only where it is through values that rise; else the middle of the
-// bracket is tried. A guard that begins at zero and first falls would hold the parabola there: then the middle is tried
-// until it falls short. Ends when the next try would be within the tolerance of the last one, where the guard is near
-// zero: one that has a step may hold the parabola beside it.
+// A try is at the zero of the inverse parabola; from the third on only if the parabola's three values rise, else at the
+// middle of the bracket. Two cases would keep the parabola at one place. A guard that starts at zero and falls at
+// first: the middle is tried until a try lies before the crossing. A guard that jumps: the search ends only where the
+// guard is near zero, when the next try would be within the tolerance of the latest one.
 double locate(Run& run, const SubstepStart& start, double end, std::size_t& first) {
   const double shortest = run.plan.get_slack(), tolerance = std::max(kLocated * (end - start.t), shortest);
   const bool at_zero = begins_at_zero(run);
   Bracket bracket{0, end - start.t, 0};
   Crossing next = estimate(run, bracket, first);
-  bool falls = false;    // a try just behind the beginning of the bracket did not cross: the guard falls there
-  bool stuck = false;    // the estimate stays at the latest try, whose guard is not near zero
+  bool falls = false;    // a try just after the beginning of the bracket did not cross: the guard falls there
+  bool stuck = false;    // the estimate stays at the latest try, but the guard is not near zero there
   bool located = false;  // the latest try is at the crossing
   double reached = end;
   for (int i = 0; i < kMostTries && !located; ++i) {
     double x = next.time;
     const bool held = at_zero && x - bracket.from < tolerance;  // the estimate stays at the beginning of the bracket
-    const bool nudged = held && next.sure && !falls;            // this try is just behind it
+    const bool nudged = held && next.sure && !falls;            // this try is just after it
     if (nudged)
       x = std::max(x, bracket.from + shortest);
     else if (held || falls || stuck || (i > 1 && !next.sure))
@@ -152,13 +152,13 @@ double locate(Run& run, const SubstepStart& start, double end, std::size_t& firs
 
 // --- Touches within a sub-step ---------------------------------------------------------------------------------------
 
-// A pair of shapes that is open at both ends of a sub-step, as a guard's flanks: it rises where they approach.
+// Guard and rate of a pair of shapes at `time`. The guard of an open pair rises while the shapes approach each other.
 Flank get_flank(const Run& run, std::size_t pair, double time, std::span<const double> guards,
                 std::span<const double> rates) {
   return {time, get_pair_guards(run.plan, guards)[pair], run.state().contacts[pair].closed != 0 ? 0 : -rates[pair]};
 }
 
-// The looks ran out: `pair` may touch between two flanks that are apart.
+// Reports that the tries were used up while `pair` might still touch between two flanks.
 void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& right) {
   OpenSearch& open = run.report.open;
   ++open.unseen;
@@ -168,9 +168,10 @@ void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& rig
   open.contact = run.plan.contact_pairs[pair].contact;
 }
 
-// Looks for a touch of `pair` between two flanks that are apart. Returns its time from the start of the sub-step (as
-// flanks have it), that of `right` if there is none, or kFailed. The evaluation is of the latest try. `looks`: those
-// that are left.
+// Searches for a touch of `pair`, which is apart at both flanks. Returns its time from the start of the sub-step, that
+// of `right` if there is none, or kFailed. The evaluation is of the latest try. `looks`: the number of tries that are
+// left.
+//
 [[gnu::noinline]] double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right,
                                     int& looks) {
   const double end = right.time;
@@ -185,9 +186,8 @@ void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& rig
   return end;
 }
 
-// Pairs of shapes that touch and part again within the sub-step have guards below zero at both ends. Returns a time (of
-// the step, not of the sub-step) up to which at least one has touched, its guards in guards_high, or `end`; or kFailed.
-// `most`: looks.
+// Searches for pairs of shapes that touch and part again within the sub-step. Returns a time before which at least one
+// pair has touched, with the guards of that time in guards_high; or `end`; or kFailed. `most`: tries.
 double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   EventSearch& s = run.search();
   const double h = end - start.t;
@@ -207,14 +207,14 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return looks == most || try_substep(run, start, end) ? end : kFailed;
 }
 
-// Tolerances of guards: how far below zero that of an event may stand which still acts with the first.
+// Tolerances of guards: an event whose guard is this little below zero acts together with the first.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search();
   for (std::size_t e = 0; e < s.tolerances.size(); ++e)
     s.tolerances[e] = crosses(run, e) ? kSimultaneous * (s.guards_high[e] - s.guards_low[e]) : 0;
 }
 
-// The first of the crossings up to `end`. Out of line, so that a sub-step without events needs few registers.
+// Stops at the first of the crossings up to `end`. Out of line, so that a sub-step without events needs few registers.
 [[gnu::noinline]] Reached stop_at_first(Run& run, const SubstepStart& start, double end) {
   EventSearch& s = run.search();
   std::size_t first = run.ev().guards.size();

@@ -37,8 +37,8 @@ bool is_any_due(const PlanData& plan, double now, const State& state, const Eval
   return false;
 }
 
-// Lets pairs of shapes close and open that are due; returns how many. The distance at which a pair changes back is on
-// the other side of the present one, which location leaves next to zero.
+// Closes and opens the pairs of shapes that are due; returns their number. The present distance, which the search
+// leaves next to zero, must be on the right side of the one at which the pair changes back.
 int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, std::span<const double> tolerances) {
   constexpr double kApart = 1e-12;  // m
   int count = 0;
@@ -55,7 +55,7 @@ int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, std::
   return count;
 }
 
-// Rows that the new mode adds hold from now on where they are.
+// The rows that the new mode adds hold from now on at their present displacement and attitude.
 void close_rows(const PlanData& plan, State& state, const Evaluation& ev, int joint, RowSet added) {
   JointState& memory = state.joints[at(joint)];
   const Vec3 displacement = JointView(plan, ev, joint).get_displacement();
@@ -91,13 +91,13 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
       state.engaged[at(action.subject)] = action.value != 0 ? 1 : 0;
       return 0;
     case Action::Kind::kImpulse:
-      return 0;  // all of a round act together
+      return 0;  // impulses of a round act together, after it
   }
   return 0;
 }
 
-// One round: pairs of shapes close and open; marks the events that are due, then lets them act. Returns how many acted.
-// `added`: rows that the actions add.
+// One round: closes and opens pairs of shapes, marks the events that are due, then executes them. Returns their number.
+// `added`: the number of rows that their actions add.
 int act_once(Run& run, double now, std::span<const double> tolerances, RowSet& added) {
   const PlanData& plan = run.plan;
   State& state = run.state();
@@ -133,8 +133,8 @@ Balance difference(const Balance& a, const Balance& b) {
   return {a.momentum - b.momentum, a.angular_momentum - b.angular_momentum, a.kinetic - b.kinetic};
 }
 
-// The impulse that closes rows which were added, and the impulses of actions if the round has `struck`. `allowed`: the
-// change that they may make. False if a pivot vanished.
+// Applies the impulse that closes added rows and, if the round has `struck`, the impulses of actions. `allowed`: the
+// change that these may make. False if a pivot vanished.
 bool strike(Run& run, bool struck, Balance& allowed) {
   const PlanData& plan = run.plan;
   Evaluation& ev = run.ev();
@@ -146,7 +146,7 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   const Source source = struck ? Source::kForces : Source::kNothing;
   if (run.node = apply_impulse(plan, source, run.state(), ev); run.node != kNone) return false;
   allowed = calc_allowed_change(plan, run.state(), ev);
-  update_velocities(plan, ev);  // w_W of markers; that of other bodies is there
+  update_velocities(plan, ev);  // w_W of markers; other bodies have theirs
   if (!struck) return true;
   allowed.momentum += strikes.momentum;
   allowed.angular_momentum += strikes.angular_momentum;
@@ -154,14 +154,14 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   return true;
 }
 
-// Rounds at one instant, of which the first has something due. Out of line: most instants have nothing.
+// All rounds at one instant at which something is due. Out of line: at most instants nothing is.
 [[gnu::noinline]] StepStatus act_in_rounds(Run& run, double now, std::span<const double> tolerances) {
   const PlanData& plan = run.plan;
   const State& state = run.state();
   Evaluation& ev = run.ev();
   EventRecord& events = run.events();
-  // Every event acts or becomes pending at most once, and a pair of shapes changes for itself, or because its contact
-  // was switched: at most twice as many rounds as events and pairs.
+  // An event acts or becomes pending at most once. A pair of shapes changes at most twice: by itself, and because its
+  // contact was switched. So there are at most twice as many rounds as events and pairs.
   for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
     if (round > 0 && !is_any_due(plan, now, state, ev, tolerances)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
@@ -184,8 +184,8 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   return StepStatus::kTooManyEvents;
 }
 
-// A repeating event is armed once its guard is negative. One that decides an engagement waits until the other has
-// acted; a motion that turned back where that one acted has left its guard above zero, and arms it too.
+// A repeating event is armed once its guard is negative. Of the two events that engage and disengage a one-sided force,
+// each is armed once the other has acted, also where the motion turned back there and left its guard above zero.
 bool may_arm(const PlanData& plan, const State& state, const Evaluation& ev, std::int32_t e) {
   const PlanEvent& event = plan.events[at(e)];
   if (event.engages == kNone) return ev.guards[at(e)] < 0;

@@ -12,11 +12,11 @@
 namespace unlatch {
 namespace {
 
-// Parts that hold or do not, and cannot change within a sub-step: so large that in an all or any they leave the
-// real-valued parts as they are, which the search for the crossing needs.
+// Values of parts that are true or false and cannot change within a sub-step. They are so large that the least or the
+// greatest of several parts is that of the real-valued ones, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
 
-// ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
+// Guard of an engagement: ≥ 0 where the force is to be engaged; of its end (`below`): > 0 where it is not.
 [[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
   const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
   if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
@@ -24,7 +24,7 @@ constexpr double kYes = 1e100, kNo = -1e100;
   return c.below ? -reach - std::numeric_limits<double>::min() : reach;
 }
 
-// Quantities but for the most frequent ones: out of line, so that those need few registers.
+// Quantities other than the most frequent ones. Out of line, so that the frequent ones need few registers.
 [[gnu::noinline]] double calc_quantity(const Instant& now, const Evaluation& ev, std::size_t number) {
   return calc_scalar(now, ev, now.plan.quantities[number]);
 }
@@ -71,7 +71,7 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
   return c.below ? c.threshold - value : value - c.threshold;
 }
 
-// Parts that must all hold, those that cannot change within a sub-step first.
+// Guard of parts that must all hold. Those that cannot change within a sub-step come first.
 double calc_all(const Instant& now, const Evaluation& ev, std::span<const PlanCondition> parts) {
   double value = calc_elementary(now, ev, parts[0]);
   for (std::size_t i = 1; i < parts.size() && value != kNo; ++i)
@@ -100,7 +100,7 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
   return stack[0];
 }
 
-// Touch of open pairs, lift of closed ones; a contact that is off is apart.
+// Guards of pairs of shapes: touch of open ones, lift of closed ones. Shapes of a contact that is off count as apart.
 void update_pair_guards(const Instant& now, Evaluation& ev) {
   update_open_pairs(now, ev);
   const std::span<double> guards = get_pair_guards(now.plan, ev.guards);

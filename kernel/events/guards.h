@@ -8,9 +8,10 @@
 
 namespace unlatch {
 
-// ev.guards: real values for armed events and repeating ones, a large negative number for the others; behind them those
-// of pairs of shapes, which touch or part at zero. Needs the evaluation of this instant. `stack`: as long as
-// PlanData::guard_depth.
+// Computes ev.guards from the rest of the evaluation: values for armed and repeating events, a large negative number
+// for others; then those of pairs of shapes, which touch or part at zero. `stack`: PlanData::guard_depth numbers of
+// scratch.
+//
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept;
 
 }  // namespace unlatch

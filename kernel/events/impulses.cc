@@ -6,7 +6,7 @@
 namespace unlatch {
 namespace {
 
-// Calls f(impulse) for each.
+// Calls f(impulse) for each impulse of the events that act.
 template <class F>
 void for_each(const PlanData& plan, std::span<const std::int64_t> acting, F f) {
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
@@ -18,7 +18,7 @@ void for_each(const PlanData& plan, std::span<const std::int64_t> acting, F f) {
   }
 }
 
-// World axes: its arm from the body's origin, and it itself.
+// An impulse in world axes, and its arm from the body's origin.
 struct Turned {
   Vec3 arm, linear, angular;
 };

@@ -5,15 +5,15 @@
 
 namespace unlatch {
 
-// Some event that acts (`acting` is 1) has one.
+// True if some event that acts (`acting` is 1) has an impulse.
 bool has_impulses(const PlanData& plan, std::span<const std::int64_t> acting) noexcept;
 
-// They become the bodies' forces in the evaluation, N s and N m s, and nothing else does.
+// Writes them, N s and N m s, to the bodies' forces in the evaluation, in place of all other forces.
 void set_impulses(const PlanData& plan, const Inputs& inputs, std::span<const std::int64_t> acting,
                   Evaluation& ev) noexcept;
 
-// Momenta that they bring in; `kinetic`: half the work that they would do at the present velocities. The mean of the
-// velocities before and after does the work, so it is the sum of both halves.
+// Momenta that they add. `kinetic`: half the work that they would do at the present velocities; since the work is that
+// at the mean of the velocities before and after, it is the sum of both halves.
 Balance calc_impulses(const PlanData& plan, const Inputs& inputs, std::span<const std::int64_t> acting,
                       const Evaluation& ev) noexcept;
 

@@ -35,7 +35,7 @@ Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
 double calc_pair_size(const Core& a, const Core& b) { return (a.bound + b.bound) + norm(b.c - a.c); }
 
 Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, double size) {
-  // y is what A is asked for: B's point, or where Newton's method expects it, on B's tangent plane.
+  // y is the point whose nearest point of A is computed: B's, or where Newton's method expects it on B's tangent plane.
   Closest best;
   Projection on_a, on_b;
   on_a.p = start;
@@ -45,7 +45,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
   Vec3 y = best.b, d = best.b - best.a;
   double squared = dot(d, d);
   const double touching = (kRounding * size) * (kRounding * size);
-  // Near the end the distance does not feel a step any more, for it is of second order in it; the residual does.
+  // Near the end a step no longer changes the distance, which is of second order in it, but it changes the residual.
   bool level = false, newton = false, apart = !on_b.inside;
   double last = 0;
   for (int iteration = 0; apart && squared > touching && iteration < kMostIterations; ++iteration) {
@@ -58,7 +58,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
     d = on_b.p - on_a.p;
     const double next = dot(d, d), limit = squared * (1 + kLevel);
     if (newton && (on_a.inside || on_b.inside || !(next < limit))) {
-      y = best.b;  // the step went astray: one of alternating projections, which cannot
+      y = best.b;  // the step was longer: one of alternating projections, which never is
       newton = false;
       continue;
     }

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kCertified = 1e-10;  // of the pair's size: a gap that needs no third method
 
-// Improves the normal of cores so near one another that the direction between their nearest points says little
+// Improves the normal of cores that are so near that the direction between their nearest points is uncertain
 // (millionths of their size apart): B is moved away along the normal, as for a depth; there the same direction is well
 // determined.
 void sharpen(const Core& a, const Core& b, Closest& closest) {

@@ -164,7 +164,7 @@ Distance calc_ordered(const ShapeView& a, const Placement& at_a, const ShapeView
     const Rounded core_b = build_core(b, place_b);
     out = a.numbers.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
           : a.numbers.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
-                                            : calc_convex(build_core(a, place_a), core_b);
+                                                    : calc_convex(build_core(a, place_a), core_b);
   }
   out.on_a += origin;
   out.on_b += origin;
@@ -177,8 +177,7 @@ bool has_distance(ShapeKind a, ShapeKind b) noexcept {
   return a != b || (a != ShapeKind::kHollow && a != ShapeKind::kHalfSpace);
 }
 
-Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeView& b,
-                       const Placement& at_b) noexcept {
+Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b) noexcept {
   if (!has_distance(a.numbers.kind, b.numbers.kind)) return {};
   if (compare(a, at_a, b, at_b) <= 0) return calc_ordered(a, at_a, b, at_b);
   return mirror(calc_ordered(b, at_b, a, at_a));

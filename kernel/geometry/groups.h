@@ -20,8 +20,8 @@ inline double calc_bound(const Vec3& between, double a, double b) {
 
 // `get_a(i)`, `get_b(i)`: the ShapeViews of the parts.
 template <class A, class B>
-GroupDistance calc_least(std::size_t count_a, const A& get_a, const Placement& at_a, std::size_t count_b, const B& get_b,
-                         const Placement& at_b) noexcept {
+GroupDistance calc_least(std::size_t count_a, const A& get_a, const Placement& at_a, std::size_t count_b,
+                         const B& get_b, const Placement& at_b) noexcept {
   GroupDistance out;
   for (std::size_t i = 0; i < count_a; ++i) {
     const ShapeView of_a = get_a(i);

@@ -129,7 +129,7 @@ void see_frustum(const Core& core, const Vec3& n, const Plane& plane, Region& re
   close_polygon(region);
 }
 
-void see_face(const Core& core, const Vec3& n, double size, const Plane& plane, Region& region) {
+void project_face(const Core& core, const Vec3& n, double size, const Plane& plane, Region& region) {
   switch (core.kind) {
     case Core::Kind::kPoint:
       return;
@@ -347,9 +347,9 @@ void move_to_middle(const Core& A, const Core& B, const Vec3& n, double size, Ve
   plane.u = calc_across(n);
   plane.v = cross(n, plane.u);
   Region of_a, of_b;
-  see_face(A, n, size, plane, of_a);
+  project_face(A, n, size, plane, of_a);
   if (of_a.kind == Region::Kind::kPoint) return;
-  see_face(B, -n, size, plane, of_b);
+  project_face(B, -n, size, plane, of_b);
   Point2 middle{0, 0};
   if (!find_middle(of_a, of_b, middle)) return;
   const Vec3 way = middle.x * plane.u + middle.y * plane.v;

@@ -36,8 +36,8 @@ constexpr double kStationary = 1e-9;        // of the pair's size, per rad: no d
 constexpr double kTurn = 1e-9;              // rad, an interval whose distance does not change
 constexpr double kLess = 1e-11;             // of the pair's size: a distance that is less by this is worth the search
 
-// Between two strips whose rates say that a minimum is between them: the root of the rate (Illinois, Dowell and Jarratt
-// 1971), else the least that was seen.
+// Minimum between two strips, by the signs of their rates: the root of the rate (Illinois, Dowell and Jarratt 1971),
+// else the least strip that was computed.
 void descend_between(const Strips& strips, Strip left, Strip right, Strip& best) {
   double weight_left = left.rate, weight_right = right.rate;
   int side = 0;
@@ -121,7 +121,7 @@ Distance calc_in(const Core& solid, const Core& b) {
     if (!is_worth(arc.bound) || arc.halvings == kMostHalvings) continue;
     const double middle = 0.5 * (arc.from + arc.to);
     Reach at_middle = strips.calc_reach(directions[arc.direction], middle);
-    // The strip itself settles what a bound of it alone leaves open.
+    // Where the bound of a strip does not decide, the strip itself does.
     if (is_worth(strips.calc_bound(directions[arc.direction], middle, at_middle)) && known < kMostStrips) {
       const Strip strip = strips.calc_strip(middle);
       if (strip.d.distance < best.d.distance) best = descend(strips, strip);

@@ -19,21 +19,21 @@ namespace {
 
 constexpr Sweep kCorrection{.source = Source::kNothing, .multipliers = false};
 
-// Kernels that move bodies leave the kinematics of rigid ones, whose masses are constant.
+// Kinematics of the other bodies: the kernels that move bodies compute them for rigid bodies of constant mass alone.
 void complete_kinematics(const PlanData& plan, double t, KnotSide side, Evaluation& ev) {
   if (plan.rigid) return;
   update_masses(plan, t, side, ev);
   update_kinematics(plan, ev);
 }
 
-// Frames and targets of the joints where poses and modes have not changed since update_joints(), for accelerations.
+// Slip and targets for accelerations of joints whose frames are those of the present poses and modes.
 void update_joint_velocities(const PlanData& plan, const State& state, Evaluation& ev) {
   get_kernels(plan).update_joint_velocities(plan, ev);
   if (!plan.rigid) update_marker_biases(plan, RowTarget::kAcceleration, ev);
   if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
 }
 
-// After a solve whose multipliers are wanted.
+// After a solve that computes multipliers.
 void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) {
   if (ev.loop_redundant == 0) return;
   if (plan.closures.empty())
@@ -42,14 +42,14 @@ void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& 
     get_kernels(plan).split_cluster_rows(plan, state, ev);
 }
 
-// Before a solve: no friction yet. True if solve_friction() is to follow.
+// Before a solve: sets friction to zero. True if solve_friction() is to follow.
 bool begin_friction(const Instant& now, Evaluation& ev) {
   if (now.plan.frictions.empty()) return false;
   clear_friction(ev);
   return has_friction(now);
 }
 
-// After a solve: the friction that belongs to its reactions, again and again.
+// After a solve: friction by its reactions and another solve, several times.
 void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
   const PlanData& plan = now.plan;
   for (int i = 0; i < kFrictionSweeps; ++i) {
@@ -66,19 +66,19 @@ void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
   update_law_loads(now, ev);
 }
 
-// At the present joint frames and loads.
+// Accelerations at the present kinematics, joint frames and loads.
 int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
   const PlanData& plan = now.plan;
   update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
   if (!plan.laws.empty()) update_driving_laws(now, ev);
-  const bool rubs = begin_friction(now, ev);
+  const bool friction = begin_friction(now, ev);
   update_forces(now, ev);
   Sweep own = sweep;
-  own.multipliers = sweep.multipliers || rubs;
+  own.multipliers = sweep.multipliers || friction;
   const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, own, independent_rows);
   if (node != kNone) return node;
   if (own.multipliers) split_redundant_rows(plan, now.state, ev);
-  if (rubs) solve_friction(now, own, ev);
+  if (friction) solve_friction(now, own, ev);
   if (!plan.rigid) update_modal_rates(plan, ev);
   return kNone;
 }
@@ -104,8 +104,8 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   kernels.add_displacements(plan, ev);
   if (!plan.rigid) add_modal_displacements(plan, ev);
 
-  // The velocities take the new frames, but the factor of the old ones, which differs by the displacement: of the
-  // velocity residual a part as small as the drift of one sub-step is left.
+  // The velocities are projected with the new frames, but with the factor of the old ones. These differ by the
+  // displacement, so that a part of the velocity residual is left that is as small as the drift of one sub-step.
   if (!plan.rigid) update_kinematics(plan, ev);
   update_joints(plan, end.state, RowTarget::kVelocity, ev);
   kernels.solve(plan, ev, kCorrection);
@@ -150,15 +150,15 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
   return project({plan, now.inputs, now.state, end}, start, ev);
 }
 
-// Forces alone are new: the factor serves.
+// Only forces have changed: the factor is used again.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
   if (!now.plan.laws.empty()) update_driving_laws(now, ev);
-  const bool rubs = begin_friction(now, ev);
+  const bool friction = begin_friction(now, ev);
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
   split_redundant_rows(now.plan, now.state, ev);
-  if (rubs) solve_friction(now, {}, ev);
+  if (friction) solve_friction(now, {}, ev);
   if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   if (!now.plan.laws.empty()) update_laws(now, LawSet::kOthers, ev);
   return kNone;

@@ -13,7 +13,7 @@
 
 namespace unlatch {
 
-// Difference of an instant from the one that an evaluation is of. Forces and accelerations follow in every case.
+// What differs between an instant and that of an evaluation. Forces and accelerations are computed again in every case.
 //
 //                 differs                       is computed again           must be in the evaluation
 //   kCommands     commands                      loads                       all else, the factor too
@@ -26,8 +26,8 @@ namespace unlatch {
 //   kState        all                           modes, then as kMotion      nothing
 enum class Changed { kCommands, kVelocities, kModes, kMotion, kState };
 
-// Accelerations, reactions, coordinates and speeds. The evaluation must be one of an instant that differs by `changed`
-// at the most.
+// Accelerations, reactions, coordinates and speeds at `now`. `ev`: the evaluation of an instant that differs from it by
+// no more than `changed`.
 int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept;
 
 // The beginning of sub-steps, kept in the evaluation's blocks.
@@ -38,25 +38,23 @@ struct SubstepStart {
 // The instant that the evaluation is of becomes the beginning of the next sub-steps.
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
-// From `start` to time `end`, s: motion and kinematics, but not yet an evaluation; markers follow with that. `now`:
-// modes, elements and commands. The start stays kept.
+// From `start` to time `end`, s. Leaves motion and kinematics in `ev`, of which evaluate() makes an evaluation. `now`
+// has modes, elements and commands. The start remains in `ev`, for another try.
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept;
 
-// Changes the velocities so that the active rows close: a perfectly plastic impulse, left in ev.multipliers, N s and N
-// m s. `state`: of the evaluation, but for its modes. kForces: impulses on bodies act too, see impulses.h.
+// Changes the velocities in `ev` and `state` so that the active rows close, by a perfectly plastic impulse, which is
+// left in ev.multipliers, N s and N m s. `ev` has the kinematics of `state`. kForces: with the impulses of impulses.h.
 int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept;
 
-// Rotations, angular velocities, inertias, and markers, of the motion in the evaluation; and the velocities alone.
+// The parts of an evaluation, each from those before it; Evaluation lists what each computes.
+// Rotations, angular velocities, inertias, and markers, from the motion; and markers and angular velocities alone.
 void update_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 void update_velocities(const PlanData& plan, Evaluation& ev) noexcept;
-
-// ev.coordinates and ev.speeds; needs the joints' frames. Angles are counted on from those in the state's joints.
-void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
-
-// Forces on all bodies; needs kinematics, joint frames, coordinates and loads.
-void update_forces(const Instant& now, Evaluation& ev) noexcept;
-
-// Frames of all joints, and what their rows ask for; needs kinematics.
+// Frames of all joints, and the right-hand sides of their rows.
 void update_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept;
+// Coordinates of joints and their rates. Turns of angles are counted from the angles in the state's joints.
+void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
+// Forces on all bodies.
+void update_forces(const Instant& now, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

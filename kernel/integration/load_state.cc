@@ -23,8 +23,8 @@ void for_rows(RowSet rows, const Do& act) {
   for (unsigned left = rows; left != 0; left &= left - 1) act(std::countr_zero(left));
 }
 
-// Lanes without a body rest, away from the centre of gravity, where nothing could be computed. No solve gives those of
-// them that belong to no group an acceleration.
+// Lanes without a body are at rest, away from the centre of gravity, where the field has no value. Those of them that
+// belong to no group get no acceleration from a solve: it is 0 from here on.
 void load_empty_lanes(const PlanData& plan, const BodyEight& eight, double* blocks) {
   const Vec3& c = plan.gravity.centre;
   const Vec3 away{std::abs(c.x) < 1 ? c.x + 1 : 0, c.y, c.z};
@@ -36,7 +36,7 @@ void load_empty_lanes(const PlanData& plan, const BodyEight& eight, double* bloc
   }
 }
 
-// One lane's mode. `rows`: that hold; 0 for an empty lane.
+// One lane's mode. `rows`: those that hold; 0 for an empty lane.
 void load_lane(const PlanData& plan, const State& state, const Group& group, int joint, RowSet rows, double* blocks,
                const Place& place, GroupModes& modes) {
   const bool by_freedoms = joint != kNone && is_by_freedoms(rows, group.compliant);
@@ -49,7 +49,7 @@ void load_lane(const PlanData& plan, const State& state, const Group& group, int
   const LaneParts parts(group, blocks, place);
   for_rows(group.compliant, [&](int r) {
     parts.pivot(r) = 0;
-    parts.freedom(r).write(&FreedomBlock<double>::beta, 0.0);  // where the mode holds it, nobody else writes it
+    parts.freedom(r).write(&FreedomBlock<double>::acceleration, 0.0);  // where the mode holds it, no pass writes it
   });
   for_rows(group.freedoms,
            [&](int r) { parts.freedom(r).write(&FreedomBlock<double>::mask, get_mask(has_row(freedoms, r))); });

@@ -5,25 +5,26 @@
 
 namespace unlatch {
 
-// Poses, velocities and auxiliary states into the evaluation, rest into empty lanes, and the joints' modes.
+// Loads poses, velocities and auxiliary states into the evaluation, and the joints' modes. Empty lanes get a body at
+// rest.
 void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 // The same without the modes.
 void load_motion(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
-// Equality of all that load_modes() reads: modes, offsets and attitudes at which rows hold.
+// True if all that load_modes() reads is equal: modes, offsets and attitudes at which rows hold.
 bool has_same_modes(const State& a, const State& b) noexcept;
 
-// The joints' modes alone: masks of freedoms and rows, offsets, carried axes; ev.modes.
+// Loads the joints' modes alone: ev.modes, and masks of freedoms and rows, offsets and carried axes of the blocks.
 void load_modes(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
-// Poses, velocities and auxiliary states out of the evaluation into `state`.
+// Stores poses, velocities and auxiliary states from the evaluation in `state`.
 void store_motion(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
 
-// The same, and all else that the state remembers of a sub-step that has ended: angles and bearings, turns counted.
+// The same with all else that the state remembers of a sub-step: angles and bearings, turns counted.
 void store_substep(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
 
-// All numbers that a step makes are finite: one that is not survives being summed.
+// True if all numbers that a step computes are finite. Tests their sum, which is not finite if one of them is not.
 bool is_finite(const State& state, std::span<const double> sensors) noexcept;
 
 }  // namespace unlatch

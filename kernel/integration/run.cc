@@ -6,7 +6,7 @@
 namespace unlatch {
 namespace {
 
-// False if what the factorisation takes in at a node, masses and arms, is not finite.
+// False if the masses and arms that the factorisation reads at a node are not finite.
 bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
   const TreeNode& n = plan.nodes[at(node)];
   const Place& place = plan.places[at(n.body)];

@@ -1,10 +1,10 @@
-// Run: one step under way, all that its parts share.
+// Run: one step while it is computed, with all that its parts share.
 #pragma once
 
 #include "kernel/elements/instant.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/motion.h"
-#include "unlatch/step.h"
+#include "unlatch/step_data.h"
 
 namespace unlatch {
 
@@ -15,7 +15,7 @@ struct Run {
   const PlanData& plan;
   const Inputs& inputs;
   WorkspaceData& data;
-  MotionLog* log;  // null if nobody wants it
+  MotionLog* log;  // null if none was given
   StepReport report{};
   int node = kNone;  // the node whose pivot vanished
 

@@ -7,16 +7,17 @@
 
 namespace unlatch {
 
-// The coordinates that an evaluation computes.
+// The coordinates that are computed.
 enum class CoordinateSet {
   kDriven,  // those that springs read: every stage needs them
   kAll,
 };
 
-// ev.coordinates and ev.speeds; of rotations ev.rotation_sines and ev.rotation_cosines, padded to whole packs of eight.
-// Returns the number of rotations. Needs the joints' frames.
+// From the joints' frames: ev.speeds, ev.coordinates of displacements, and of rotations ev.rotation_sines and
+// ev.rotation_cosines, padded to whole packs of eight. Returns the number of rotations.
 std::size_t measure_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
-// Once the sines have become angles: counts them on from those in the state's joints.
+// ev.coordinates of rotations: the angles that stand in ev.rotation_sines, turns counted from those in the state's
+// joints.
 void unwind_angles(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -9,9 +9,9 @@
 
 namespace unlatch {
 
-// The right-hand side that the rows ask for.
+// The right-hand side of the rows.
 enum class RowTarget : std::int32_t {
-  kAcceleration,  // right-hand side of the rows for accelerations
+  kAcceleration,  // for accelerations
   kVelocity,      // for a velocity correction: the velocity residual, reversed
   kPosition,      // for a displacement: the position residual, reversed
 };
@@ -40,8 +40,8 @@ UNLATCH_INLINE void update_slip(const BodyFrameT<T>& base, const BodyFrameT<T>& 
   f.w_rel = follower.w - base.w;
 }
 
-// Arms, axes and displacement, and the slip. `axes`: of the point–plane rows, base axes; m is n until the caller gives
-// the rotation rows others. `crossed` is unset.
+// Arms, axes and displacement, and the slip. `axes`: of the point–plane rows, base axes. m is n: the caller replaces it
+// where rotation rows have other axes. `crossed` is unset.
 template <class T>
 UNLATCH_INLINE JointFrameT<T> calc_joint_frame(const BodyFrameT<T>& base, const BodyFrameT<T>& follower,
                                                const Vec3T<T>& point_base, const Vec3T<T>& point_follower,
@@ -67,7 +67,7 @@ UNLATCH_INLINE void cross_axes(const Vec3T<T>& y, JointFrameT<T>& f) {
   f.m.z = select(f.crossed, z, f.m.z);
 }
 
-// Relative acceleration that the rows ask for, at the follower's point and about it:
+// Relative acceleration that the rows prescribe, at the follower's point and about it:
 //   point–plane:            w_b × (w_b × r_b) + 2 w_b × v_rel − w_f × (w_f × r_f)
 //   n fixed in the base:    d/dt n·(w_f − w_b) = n·(α_f − α_b + w_f × w_b) = 0, so α_f − α_b = w_b × w_f along n
 template <class T>

@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// Frame of a body or of the ground, world axes; needs update_kinematics().
+// Frame of a body or of the ground, world axes, by the kinematics in `ev`.
 BodyFrame get_body_frame(const Evaluation& ev, int body) noexcept;
 
 // The same from states alone, whose angular velocities are in body axes.
@@ -34,8 +34,8 @@ inline bool is_crossed(const PlanJoint& joint, RowSet rows) noexcept {
   return joint.universal && (rows & kRotationRows) == row_bit(kRotZ);
 }
 
-// Parts of a joint's frame: an edge of the tree has them in its child's lane, any other joint in a frame of its own.
-// Needs update_joints().
+// Parts of a joint's frame, as update_joints() leaves them: of an edge of the tree in its child's lane, of any other
+// joint in a frame of its own.
 class JointView {
  public:
   UNLATCH_INLINE JointView(const PlanData& plan, const Evaluation& ev, int joint)
@@ -49,8 +49,7 @@ class JointView {
   UNLATCH_INLINE Vec3 get_axis(int row) const {
     if (frame_ != nullptr) return row < kRotX ? column(frame_->n, row) : column(frame_->m, row - kRotX);
     if (row < kRotX) return get_lane<SolverLane>(blocks_, place_).read_column(&SolverLane::axes, row);
-    const LaneOf<Mat3> axes = LaneParts(plan_.groups[at(joint_.group)], blocks_, place_).rotation_axes();
-    return collect<Vec3>(axes.first + 3 * (row - kRotX) * axes.stride, axes.stride);
+    return LaneParts(plan_.groups[at(joint_.group)], blocks_, place_).axis(row).read();
   }
   UNLATCH_INLINE Mat3 get_rotation_axes() const {
     if (frame_ != nullptr) return frame_->m;

@@ -7,7 +7,7 @@
 
 namespace unlatch {
 
-// Frames of the non-tree joints and the right-hand sides of their rows; needs kinematics.
+// Frames of the non-tree joints and the right-hand sides of their rows, from the bodies' kinematics.
 void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept;
 
 // Axis `a` of the rotation frame as the follower carries it (follower axes), times its weight in the orientation

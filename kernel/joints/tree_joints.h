@@ -14,11 +14,9 @@ UNLATCH_INLINE BodyFrameT<T> load_frame(const BodyBlock<Wide<kEight>>& body) {
 template <class T, class Parents>
 UNLATCH_INLINE BodyFrameT<T> load_parent_frame(const Parents& parents) {
   using Body = BodyBlock<double>;
-  constexpr Body* kBody = nullptr;
   using Motion = MotionT<double>;
-  const std::ptrdiff_t motion = get_index(&Body::motion);
-  return {load(parents, &Body::R), get_vec(parents, kBody, motion + get_index(&Motion::p)),
-          get_vec(parents, kBody, motion + get_index(&Motion::v)), load(parents, &Body::w_W)};
+  return {load(parents, &Body::R), load(parents, &Body::motion, &Motion::p), load(parents, &Body::motion, &Motion::v),
+          load(parents, &Body::w_W)};
 }
 
 // The mask of no lane at all, known to the compiler.
@@ -108,7 +106,7 @@ UNLATCH_INLINE SpatialT<T> calc_position_bias(const V& v, const E& ends, const J
   return bias;
 }
 
-// A correction must not ask for anything along the freedoms: that would be large beside the residuals.
+// Takes the part along the freedoms out of a correction: it would be large beside the residuals.
 template <class V, class T = typename V::T>
 UNLATCH_INLINE void remove_freedoms(const V& v, const JointFrameT<T>& f, SpatialT<T>& bias) {
   for (int r = 0; r < kRows; ++r) {
@@ -168,14 +166,14 @@ UNLATCH_INLINE void for_joints(const PlanData& plan, Evaluation& ev, const Updat
   }
 }
 
-// Frames of the tree's joints, and the relative motion that their rows ask for; needs kinematics.
+// Frames of the tree's joints, and the relative motion that their rows prescribe, from the bodies' kinematics.
 template <int kWidest>
 void update_joints(const PlanData& plan, Evaluation& ev, RowTarget target) {
   for_joints<kWidest>(plan, ev,
                       [&](const auto& v, const auto& ends) UNLATCH_INLINE_LAMBDA { update_joint(v, ends, target); });
 }
 
-// The same for accelerations where poses and modes have not changed since update_joints().
+// The same for accelerations alone, with the frames that are stored: those of the present poses and modes.
 template <int kWidest>
 void update_joint_velocities(const PlanData& plan, Evaluation& ev) {
   for_joints<kWidest>(plan, ev, [](const auto& v, const auto& ends) UNLATCH_INLINE_LAMBDA {

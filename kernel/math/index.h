@@ -1,4 +1,4 @@
-// Indices are ints, so that kNone and differences are plain; containers want std::size_t.
+// Conversion of indices, which are ints because of kNone and differences, to those of containers.
 #pragma once
 
 #include <cstddef>

@@ -34,6 +34,15 @@ template <class T>
 UNLATCH_INLINE T dot(const SpatialT<T>& a, const SpatialT<T>& b) {
   return dot(a.lin, b.lin) + dot(a.ang, b.ang);
 }
+// A wrench, given at a point `r` away from the origin, at the origin; a motion, given at the origin, at that point.
+template <class T>
+UNLATCH_INLINE SpatialT<T> shift_wrench(const SpatialT<T>& w, const Vec3T<T>& r) {
+  return {w.lin, w.ang + cross(r, w.lin)};
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> shift_motion(const SpatialT<T>& a, const Vec3T<T>& r) {
+  return {a.lin + cross(a.ang, r), a.ang};
+}
 template <class T>
 UNLATCH_INLINE SpatialT<T> operator*(const ArticulatedT<T>& A, const SpatialT<T>& s) {
   return {A.M * s.lin + A.H * s.ang, transpose_times(A.H, s.lin) + A.I * s.ang};

@@ -9,7 +9,7 @@ namespace unlatch {
 inline Vec3 to_vec(const Eigen::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 inline Mat3 to_mat(const Eigen::Matrix3d& m) { return {to_vec(m.col(0)), to_vec(m.col(1)), to_vec(m.col(2))}; }
 inline Sym3 to_sym(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)}; }
-inline Quat to_quat(const Eigen::Quaterniond& q) { return normalized({q.w(), q.x(), q.y(), q.z()}); }
+inline Quat to_quat(const Eigen::Quaterniond& q) { return normalized(Quat{q.w(), q.x(), q.y(), q.z()}); }
 
 // R_WB of a body at the beginning; of the ground, no turn.
 inline Eigen::Matrix3d get_attitude(const Model& model, int body) {

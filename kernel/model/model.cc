@@ -44,7 +44,7 @@ bool has_markers(const Model& model) {
                      [](const Body& body) { return body.marker.has_value(); });
 }
 
-// As calc_marker_state() of flexible.h; what validate() refuses is left where it is.
+// As calc_marker_state() of flexible.h. A marker that validate() would report stays as it is.
 Model place_markers(const Model& model) {
   Model out = model;
   for (Body& body : out.bodies) {

@@ -1,4 +1,4 @@
-// Events: what they look at and what they do exists.
+// Events: their conditions are complete, and the subjects of conditions and actions exist.
 #include <algorithm>
 #include <set>
 

@@ -8,7 +8,7 @@ namespace unlatch {
 namespace {
 
 constexpr double kOrthonormal = 1e-9;  // of axes that were given as a frame
-constexpr double kClosed = 1e-6;       // m, rad: nearer, and the first projection closes it unnoticed
+constexpr double kClosed = 1e-6;       // m, rad: smaller gaps are closed by the first projection
 constexpr double kAtRest = 1e-6;       // m/s, rad/s: the same of velocities
 
 // Motion of a body at the start; the ground rests.

@@ -1,4 +1,4 @@
-// Quantities: their subjects exist and have what is asked of them.
+// Quantities: their subjects exist and have the values that are read.
 #include <algorithm>
 #include <set>
 

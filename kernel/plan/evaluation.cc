@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 
-// Hands out parts of one memory, or, without a memory, only counts what they need.
+// Divides one memory into parts; without a memory it only counts the bytes that they need.
 class Arena {
  public:
   explicit Arena(std::byte* memory) : memory_(memory) {}
@@ -103,7 +103,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
 }  // namespace
 
 Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   Arena arena(memory.data());
   std::span<WorkspaceData> data;
   std::span<std::byte> state;
@@ -120,7 +120,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (double& tolerance : data_->exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
-  for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // of one that never holds nobody else writes them
+  for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // no solve writes those of a joint that never holds
     for (std::size_t r = 0; r < kRows; ++r) multipliers.get(at(joint.joint), r) = 0;
   accelerations = {ev.blocks.data(), plan.accelerations};
   sensors = ev.sensors;

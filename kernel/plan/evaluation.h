@@ -1,6 +1,6 @@
 // Evaluation: all that follows from a state, its inputs and the time, and can be computed again. WorkspaceData: an
-// evaluation, the scratch memory of the search for events and the events that acted. Both live in memory that the
-// caller gives.
+// evaluation, the scratch memory of the search for events and the events that acted. Both are in memory that the caller
+// gives.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 #include <span>
 
 #include "kernel/plan/plan_data.h"
-#include "unlatch/step.h"
+#include "unlatch/state.h"
+#include "unlatch/step_data.h"
 #include "unlatch/workspace.h"
 
 namespace unlatch {
@@ -35,10 +36,10 @@ struct JointFrameT {
 };
 using JointFrame = JointFrameT<double>;
 
-// The present modes of a group's joints: parts of its blocks that some lane uses.
+// The present modes of a group's joints, all lanes together.
 struct GroupModes {
-  RowSet freedoms, rows;
-  bool by_freedoms, by_rows;  // some lane is held by three rows or more; by fewer
+  RowSet freedoms, rows;      // FreedomBlocks and RowBlocks that some lane uses
+  bool by_freedoms, by_rows;  // some lane is eliminated through its freedoms; some other lane
 };
 
 // One row of a joint that closes a loop.
@@ -69,23 +70,29 @@ struct ClosureWork {
   double z[kEight], u[kEight];  // of the pivot that is eliminated
 };
 
-// Auxiliary states, State::auxiliary, as the stages of a step take them.
+// Auxiliary states, State::auxiliary, in the stages of a sub-step.
 struct Auxiliary {
-  std::span<double> now, rate;          // at the stage; 1/s
-  std::span<double> start, first, sum;  // at the beginning of the sub-step, their rates there, weighted sum of rates
+  // computed by load_motion(), then by the stages (runge_kutta.h); modal ones also by the projections
+  std::span<double> now;
+  // computed by add_forces() and update_modal_rates()
+  std::span<double> rate;  // 1/s
+  // computed by begin_substep()
+  std::span<double> start, first;  // at the beginning of the sub-step; their rates there
+  // computed by the stages
+  std::span<double> sum;  // of the rates of the stages so far, weighted as runge_kutta.h says
 };
 
-// A body with a mass law at one stage.
+// A body with a mass law at one stage. A slope is per unit of the law's variable, s or kg.
 struct VaryingBody {
-  double mass, mass_slope;          // kg; per unit of the law's variable
+  double mass, mass_slope;          // kg; its slope
   Vec3 centre_B, centre;            // centre of mass from the body's origin, body axes and world axes, m
-  Vec3 centre_slope_B;              // m per unit of the law's variable
-  Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
+  Vec3 centre_slope_B;              // of centre_B
+  Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; its slope
 };
 
-// The value of a load's law s seconds after it began: a cache of a function of s.
+// Cache of a load's law, a function of the time s since the load was switched on.
 struct KeptProfile {
-  double s, value;  // NaN: empty; N or N m
+  double s, value;  // s, NaN while it is empty; N or N m
 };
 
 // A spring that is integrated implicitly, see kernel/elements/compliance.h.
@@ -111,55 +118,91 @@ struct SplitScratch {
   std::span<std::int32_t> ring_columns;  // per joint of PlanData::ring_joints: its first row among those
 };
 
+// Groups of arrays in the order in which an evaluation computes them: each follows from those above it, the plan, and
+// the modes, elements and commands of the instant.
 struct Evaluation {
-  // bodies and joints of the tree, see blocks.h
-  std::span<double> blocks;
-  std::span<GroupModes> modes;    // per group
   std::span<const Place> places;  // PlanData::places
-  MultiplierView multipliers;
+
+  // Bodies and joints of the tree, see blocks.h. Members of a block are computed by
+  //   motion                                 load_motion(), then the stages and projections (runge_kutta.h); of markers
+  //                                          update_markers()
+  //   start, start_v_rate, start_w_rate      begin_substep()
+  //   sum                                    the stages
+  //   R, w_W, inertia                        update_kinematics()
+  //   AppliedBlock                           update_loads()
+  //   masks, carried axes, offset, crossed   load_modes()
+  //   JointBlock; axes, arms, offset, bias   update_joints()
+  //   force                                  update_forces(); loops add their reactions
+  //   A, wrench, factors, U, beta            backward pass of the solver (tree_sweeps.h)
+  //   acceleration, multipliers              its forward pass
+  //   pivot of an implicit spring            begin_compliance()
+  std::span<double> blocks;
+
+  // computed by load_modes()
+  std::span<GroupModes> modes;  // per group
 
   Auxiliary auxiliary;
-  std::span<KeptProfile> profiles;
-  std::span<double> laws;                // per law
-  std::span<double> law_operands;        // as PlanLaws::operands
-  std::span<TableExit> table_exits;      // per table
-  std::span<double> load_sizes;          // per load, N or N m per length of its direction; 0 if it is off
-  std::span<double> friction_sizes;      // per friction, force or torque on the follower along its axis
-  std::span<VaryingBody> varying;        // per body with a mass law
-  std::span<double> modal;               // of flexible bodies and their markers, see kernel/dynamics/flexible.h
+
+  // computed by update_masses(), and their world axes by update_varying_kinematics()
+  std::span<VaryingBody> varying;  // per body with a mass law
+
+  // computed by update_loads()
+  std::span<double> load_sizes;     // per load, N or N m per length of its direction; 0 if it is off
+  std::span<KeptProfile> profiles;  // and its cache
+
+  // computed by update_markers(), update_marker_biases(), add_flexible_forces() and the solver
+  std::span<double> modal;  // ModalWork and MarkerWork of flexible bodies, see kernel/dynamics/flexible.h
+
+  // computed by update_joints()
+  std::span<JointFrame> non_tree_frames;  // per non-tree joint
+  std::span<Spatial> non_tree_bias;       // right-hand side of its rows: along n and m, world axes
+
+  // computed by update_coordinates(); per coordinate of a joint that is read
+  std::span<double> coordinates;                       // displacement along n, m; angle about m, rad
+  std::span<double> speeds;                            // their rates
+  std::span<double> rotation_sines, rotation_cosines;  // its scratch, per rotation
+
+  // computed by update_laws()
+  std::span<double> laws;            // per law
+  std::span<double> law_operands;    // as PlanLaws::operands
+  std::span<TableExit> table_exits;  // per table
+
+  // computed by begin_compliance() and begin_second_stage()
   std::span<CompliantSpring> compliant;  // as PlanData::compliant
 
-  // per coordinate of a joint that is read
-  std::span<double> coordinates;  // displacement along n, m; angle about m, rad
-  std::span<double> speeds;       // their rates
-  // per rotation that is read: sine, later the angle, and cosine, times any number
-  std::span<double> rotation_sines, rotation_cosines;
+  // computed by update_friction()
+  std::span<double> friction_sizes;  // per friction, force or torque on the follower along its axis
 
-  // per non-tree joint
-  std::span<JointFrame> non_tree_frames;
-  std::span<Spatial> non_tree_bias;  // right-hand side of the rows: along n and m, world axes
+  // computed by update_forces(); per pair of shapes of contacts
+  std::span<ClosedPair> closed_pairs;  // of those that are closed and on
 
-  // per row of the joints that close loops, k in all
+  // computed by update_forces() for closed pairs, by update_open_pairs() for open ones
+  std::span<double> pair_distances, pair_rates;  // of those that are on, m; m/s, of open ones alone, 0 far apart
+
+  // computed by the solver's forward pass
+  MultiplierView multipliers;
+
+  // computed by update_loop_rows(); per row of the joints that close loops, k in all
   std::span<LoopRow> loop_rows;
   std::span<std::int32_t> loop_ranges;  // per loop: its first row; and the end
-  std::span<double> loop_matrix;        // Λ, then its factor: lower triangle, PlanData::loop_columns a row
-  std::span<double> loop_loads;         // wrenches on their way to the root, and scratch
-  std::span<double> loop_solution;      // k
   std::int32_t loop_count = 0;          // rows that are active
-  std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
+  // computed by update_loop_matrix() and factor_loop_matrix()
+  std::span<double> loop_matrix;    // Λ, then its factor: lower triangle, PlanData::loop_columns a row
+  std::span<double> loop_loads;     // wrenches on their way to the root, and scratch
+  std::int32_t loop_redundant = 0;  // of the active rows, those that follow from the others
+  // computed by solve_loop_rows()
+  std::span<double> loop_solution;  // k
+  // computed by split_redundant_rows()
   SplitScratch split;
-  // loops that are eliminated where they close
+  std::span<double> split_matrix, split_columns;  // where loops are eliminated where they close
+  // computed by LoopClusters: loops that are eliminated where they close
   std::span<ClosureWork> closures;
-  std::span<double> cluster_matrix;               // Λ, then its factor
-  std::span<double> cluster_columns;              // wrenches at the nodes, and what the pivots there met
-  std::span<double> split_matrix, split_columns;  // of the split of redundant reactions
+  std::span<double> cluster_matrix;   // Λ, then its factor
+  std::span<double> cluster_columns;  // wrenches at the nodes, and their products with the pivots there
 
-  // per pair of shapes of contacts: of those that are on, m; its rate of those that are open, m/s, 0 far apart
-  std::span<double> pair_distances, pair_rates;
-  std::span<ClosedPair> closed_pairs;  // per pair; of those that are closed and on
-
-  // outputs
-  std::span<double> guards;      // per event, then per pair of shapes of contacts
+  // computed by update_guards()
+  std::span<double> guards;  // per event, then per pair of shapes of contacts
+  // computed by update_readings()
   std::span<double> sensors;     // in the order of the model's sensors, each with its width
   std::span<double> quantities;  // in the order of the model's quantities
 
@@ -168,12 +211,12 @@ struct Evaluation {
   }
 };
 
-// The evaluation that a step ends with, and the state that it is of. The next step begins with it if it is handed that
-// very state, byte by byte; the bits are the same as from a new evaluation.
+// The evaluation with which a step ends, and the state that it is of. The next step begins with it if it gets that very
+// state, byte by byte; the bits are the same as from a new evaluation.
 struct FinalEvaluation {
   Evaluation evaluation;
-  State state;         // how far the step has got; between steps, its end
-  bool valid = false;  // no step is under way, and `evaluation` is of `state`
+  State state;         // how far the step has got; between steps, its end, of which the outputs are
+  bool valid = false;  // between steps: all of `evaluation` is of `state`
 
   bool is_of(const State& other) const {
     const std::span<const std::byte> mine = state.get_bytes(), theirs = other.get_bytes();
@@ -181,7 +224,7 @@ struct FinalEvaluation {
   }
 };
 
-// The part for pairs of shapes of a list with one number per guard: it lies behind the part for events.
+// The part for pairs of shapes of a list with one number per guard; it follows the part for events.
 template <class Number>
 std::span<Number> get_pair_guards(const PlanData& plan, std::span<Number> guards) {
   return guards.subspan(plan.events.size());
@@ -191,14 +234,14 @@ std::span<Number> get_pair_guards(const PlanData& plan, std::span<Number> guards
 struct EventSearch {
   // per event, then per pair of shapes of contacts
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
-  std::span<double> guards_middle;            // at the end of it that was replaced last
-  std::span<double> rates_low, rates_high;    // Evaluation::pair_rates at both ends of the sub-step
-  std::span<double> tolerances;               // how far below zero a guard may stand beside the one that was located
+  std::span<double> guards_middle;            // at the end of the bracket that was replaced last
+  std::span<double> tolerances;               // a guard within this of zero acts together with the located one
+  std::span<double> rates_low, rates_high;    // per pair: Evaluation::pair_rates at both ends of the sub-step
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
-  std::span<double> stack;                    // evaluates one guard
+  std::span<double> stack;                    // of values, for the evaluation of one guard
 };
 
-// Events that acted in a step: until the next one, StepReport has views of them.
+// Events that acted in a step. StepReport has views of them, which hold until the next step.
 struct EventRecord {
   std::span<FiredEvent> fired;
   std::span<EventAudit> audits;
@@ -212,5 +255,7 @@ struct WorkspaceData {
   EventRecord events;
   std::span<double> exact;  // per guard, a tolerance of zero; written by the constructor alone
 };
+
+inline WorkspaceData& get_data(const Workspace& workspace) noexcept { return *workspace.data_; }
 
 }  // namespace unlatch

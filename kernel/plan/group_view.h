@@ -3,8 +3,8 @@
 // kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/plan/blocks.h"
 #include "kernel/plan/evaluation.h"
+#include "kernel/plan/lanes.h"
 #include "kernel/simd/wide_packs.h"
 
 namespace unlatch::UNLATCH_ISA {
@@ -49,7 +49,7 @@ UNLATCH_INLINE void for_bodies(const PlanData& plan, Evaluation& ev, const Stage
 
 // --- Groups ----------------------------------------------------------------------------------------------------------
 
-// Some lanes of a group of width kWidth, from `lane` on, and what is theirs.
+// Some lanes of a group of width kWidth, from `lane` on: their blocks, constants and parents.
 template <class Pack, int W>
 struct GroupView {
   using T = Pack;
@@ -127,25 +127,27 @@ struct GatheredParents {
   }
 };
 
-template <class Parents, class Block, class T = typename Parents::T>
-UNLATCH_INLINE Vec3T<T> get_vec(const Parents& parents, Block* block, std::ptrdiff_t i) {
-  return {parents.get_number(block, i), parents.get_number(block, i + 1), parents.get_number(block, i + 2)};
+// A vector or matrix of them, from number `first` of the block on, whose members they are in order.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-braces"
+template <class M, class Block, class Parents, std::size_t... I>
+UNLATCH_INLINE M collect_numbers(const Parents& parents, std::ptrdiff_t first, std::index_sequence<I...>) {
+  return M{parents.get_number(static_cast<Block*>(nullptr), first + static_cast<std::ptrdiff_t>(I))...};
 }
-template <class Parents, class Block, class T = typename Parents::T>
-UNLATCH_INLINE Vec3T<T> load(const Parents& parents, Vec3 Block::*member) {
-  return get_vec(parents, static_cast<Block*>(nullptr), get_index(member));
+#pragma GCC diagnostic pop
+template <template <class> class M, class Block, class Parents>
+UNLATCH_INLINE M<typename Parents::T> collect_numbers(const Parents& parents, std::ptrdiff_t first) {
+  return collect_numbers<M<typename Parents::T>, Block>(parents, first,
+                                                        std::make_index_sequence<std::size_t{kNumbers<M>}>{});
 }
-template <class Parents, class Block, class T = typename Parents::T>
-UNLATCH_INLINE Mat3T<T> load(const Parents& parents, Mat3 Block::*member) {
-  Block* const block = nullptr;
-  const std::ptrdiff_t i = get_index(member);
-  return {get_vec(parents, block, i), get_vec(parents, block, i + 3), get_vec(parents, block, i + 6)};
+template <class Parents, class Block, template <class> class M>
+UNLATCH_INLINE auto load(const Parents& parents, M<double> Block::*member) {
+  return collect_numbers<M, Block>(parents, get_index(member));
 }
-template <class Parents, class Block, class T = typename Parents::T>
-UNLATCH_INLINE SpatialT<T> load(const Parents& parents, Spatial Block::*member) {
-  Block* const block = nullptr;
-  const std::ptrdiff_t i = get_index(member);
-  return {get_vec(parents, block, i), get_vec(parents, block, i + 3)};
+// A member of a member.
+template <class Parents, class Block, class Part, template <class> class M>
+UNLATCH_INLINE auto load(const Parents& parents, Part Block::*part, M<double> Part::*member) {
+  return collect_numbers<M, Block>(parents, get_index(part) + get_index(member));
 }
 
 // Calls read(parents): the way to them is chosen once.

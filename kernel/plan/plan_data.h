@@ -1,8 +1,9 @@
-// PlanData: the model compiled for one step size. Numbers in flat arrays in the order in which the step reads them;
-// names and Eigen types are left behind. Never changes; any number of threads may step with one plan.
+// PlanData: the model compiled for one step size. Numbers in flat arrays in the order in which the step reads them,
+// without names and Eigen types. Never changes; any number of threads may step with one plan. One long file of plain
+// structs: the image of a plan has them all.
 //
-// One elimination order serves every structure phase: it is that of the full tree, and a joint's mode only decides
-// which of its six rows hold.
+// One elimination order serves all modes of the joints: it is that of the full tree, and a mode only decides which of
+// its joint's six rows hold.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 #include "kernel/environment/environment.h"
 #include "kernel/math/index.h"
 #include "kernel/model/one_sided_law.h"
-#include "kernel/plan/blocks.h"
+#include "kernel/plan/lanes.h"
 #include "kernel/plan/list_kinds.h"
 #include "kernel/plan/plan_laws.h"
 #include "unlatch/cords.h"
@@ -26,7 +27,7 @@ namespace unlatch {
 // --- Tree ------------------------------------------------------------------------------------------------------------
 
 struct PlanBody {
-  double mass;  // kg; 0 of a body with a mass law, a flexible body or a marker, which add theirs
+  double mass;  // kg; 0 of a body with a mass law, a flexible body or a marker, whose mass is added separately
   BodyState initial;
   std::int32_t varying = kNone;   // into PlanData::varying
   std::int32_t flexible = kNone;  // into PlanData::flexible: of a flexible body, and of its markers
@@ -360,11 +361,11 @@ struct PlanNumbers {
   // elements
   GravityField gravity;
   PlanEnvironment environment;
-  std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, springs do, so that every stage needs them
+  std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, that every stage needs for springs
   std::int32_t rotation_count = 0;      // rotations among them all
   bool commanded_loads = false;         // a command decides the size of some load, or some law
   std::int32_t contact_substeps = 1;    // kAutomaticSubsteps, or a number
-  bool pair_forces = false;  // some element pushes two bodies apart: has_pair_forces() in compile_plan.cc lists them
+  bool pair_forces = false;             // there is an element other than loads
 
   PlanLawNumbers law_numbers;
 
@@ -391,7 +392,7 @@ struct PlanLists {
   List<std::int32_t> loops;   // joints that close a loop over the tree
   List<LoopNode> loop_nodes;  // children before parents
   List<LoopEnd> loop_ends;
-  List<LoopPath> loop_paths;              // per loop
+  List<LoopPath> loop_paths;  // per loop
   List<PathNode> path_nodes;
   List<std::int32_t> ring_joints;  // joints of the tree that lie in loops
   List<LoopMesh> meshes;
@@ -436,8 +437,8 @@ struct PlanLists {
   List<RowSet> compliant_axes;  // per joint: axes with implicit springs
   List<PlanPlaneTorsion> plane_torsions;
   List<PlanShapes> shapes;
-  List<geometry::ShapeNumbers> shape_parts;  // those of one of `shapes` together
-  List<Vec3> hull_points;                    // of hulls
+  List<geometry::ShapeNumbers> shape_parts;     // those of one of `shapes` together
+  List<Vec3> hull_points;                       // of hulls
   List<geometry::ProfilePoint> profile_points;  // of hollow shapes
   List<PlanContact> contacts;
   List<ContactPair> contact_pairs;  // those of one contact together
@@ -479,5 +480,7 @@ struct PlanData : PlanNumbers, PlanLists<FixedList> {
 
 // A plan while it is compiled.
 struct PlanDraft : PlanNumbers, PlanLists<GrowingList> {};
+
+inline const PlanData& get_data(const Plan& plan) noexcept { return *plan.data_; }
 
 }  // namespace unlatch

@@ -1,6 +1,6 @@
-// The image of a plan: a header, then its lists, each at a multiple of kImageAlignment, in the order of for_each_list().
-// Places are counted from the beginning of the image, and no record holds a pointer or a number whose size depends on
-// the machine, so that a target with another word size uses what the host wrote.
+// The image of a plan: a header, then its lists, each at a multiple of kImageAlignment, in the order of
+// for_each_list(). Places are counted from the beginning of the image, and no record holds a pointer or a number whose
+// size depends on the machine, so that a target with another word size uses what the host wrote.
 #pragma once
 
 #include <cstddef>

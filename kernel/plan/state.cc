@@ -33,7 +33,7 @@ std::size_t lay_out(const PlanData& plan, std::byte* memory, State& state) noexc
 }  // namespace
 
 State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
-  bytes_ = memory.first(lay_out(owner.data(), memory.data(), *this));
+  bytes_ = memory.first(lay_out(get_data(owner), memory.data(), *this));
 }
 
 const PlanOptions& Plan::get_options() const noexcept { return data_->options; }
@@ -56,7 +56,7 @@ std::size_t Plan::get_state_bytes() const noexcept {
 }
 
 void init_state(const Plan& owner, State& state) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   *state.header = {0, plan.hash};
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) state.bodies[b] = plan.bodies[b].initial;
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
@@ -83,7 +83,7 @@ void init_state(const Plan& owner, State& state) noexcept {
 }
 
 std::span<const double> get_modal_coordinates(const Plan& owner, const State& state, int body) noexcept {
-  for (const PlanFlexible& flexible : owner.data().flexible)
+  for (const PlanFlexible& flexible : get_data(owner).flexible)
     if (flexible.body == body) return state.auxiliary.subspan(at(flexible.auxiliary), at(flexible.modes));
   return {};
 }

@@ -13,7 +13,7 @@ inline MotionT<double> get_motion(const Evaluation& ev, int body) {
   return read(ev.blocks.data(), ev.places[at(body)], &BodyLane::motion);
 }
 
-// A vector in W from the ground, or in axes of the body that it is seen from.
+// A vector in axes of the body from which it is seen; from the ground in W.
 inline Vec3 see_from(const Quat& q, int body, const Vec3& v) {
   return body == kGround ? v : transpose_times(rotation_matrix(q), v);
 }
@@ -51,8 +51,8 @@ inline void calc_axes(const Instant&, const Evaluation& ev, const PlanQuantity& 
   out[0] = elementary::atan2(norm(cross(axis, other)), dot(axis, other));
 }
 
-// Acceleration of a point fixed in the body, body axes; `g`, world axes, is taken away first: zero, or free fall for an
-// accelerometer.
+// Acceleration of a point fixed in the body less `g` (world axes), in body axes. `g`: zero, or for an accelerometer
+// free fall.
 inline Vec3 calc_point_acceleration(const Evaluation& ev, int body, const Vec3& point, const Vec3& g) {
   const BodyKinematics k = read_kinematics(ev, body);
   const Spatial a = ev.get_acceleration(body);

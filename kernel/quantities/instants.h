@@ -7,7 +7,7 @@ namespace unlatch::quantities {
 
 inline void calc_time(const Instant& now, const Evaluation&, const PlanQuantity&, double* out) { out[0] = now.t; }
 
-// The events that it is measured from keep the time of their latest action in `due`, see PlanEvent::timed.
+// An event from which time is measured keeps the time of its latest action in `due`, see PlanEvent::timed.
 inline void calc_since(const Instant& now, const Evaluation&, const PlanQuantity& own, double* out) {
   const EventState& event = now.state.events[at(own.subject)];
   out[0] = event.phase != EventPhase::kPending && event.due >= 0 ? now.t - event.due : 0;

@@ -9,8 +9,8 @@ namespace unlatch {
 
 inline constexpr int kMostValues = 6;  // of one quantity
 
-// Writes the values of a kind, count_values() of them. Needs the evaluation of this instant, with multipliers and
-// accelerations.
+// Writes the values of a kind, count_values() of them. `ev`: the whole evaluation of this instant.
+//
 using QuantityCalc = void (*)(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out);
 
 inline void put(double* out, const Vec3& a) {

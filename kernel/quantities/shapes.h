@@ -6,7 +6,7 @@
 
 namespace unlatch::quantities {
 
-// Where it is guarded and far from its threshold, a lower bound: see calc_guarded_distance().
+// Of a guard far from its threshold a lower bound serves: see calc_guarded_distance().
 inline void calc_clearance(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) {
   out[0] = own.guarded ? calc_guarded_distance(now.plan, ev, own.subject, own.other, own.threshold)
                        : calc_shape_distance(now.plan, ev, own.subject, own.other);

@@ -445,4 +445,15 @@ void update_readings(const Instant& now, Evaluation& ev) noexcept {
   }
 }
 
+bool is_any_reading_commanded(const PlanData& plan) noexcept {
+  const auto is_commanded = [&](std::size_t quantity) {
+    return (get_traits(plan.quantities[quantity].kind).reads & kReadsInputs) != 0;
+  };
+  for (std::size_t i = 0; i < at(plan.quantity_count); ++i)
+    if (is_commanded(i)) return true;
+  for (const PlanSensor& sensor : plan.sensors)
+    if (is_commanded(at(sensor.quantity))) return true;
+  return false;
+}
+
 }  // namespace unlatch

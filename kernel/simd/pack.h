@@ -1,14 +1,14 @@
 // A pack: one number per lane, so that the arithmetic of math.h and spatial.h works on several bodies at once.
-// Lanes never meet: what a lane computes does not depend on how wide the pack is, and has the same bits as plain
-// doubles.
+// No lane reads another one: what a lane computes does not depend on the width of the pack, and has the same bits as
+// plain doubles.
 //
 // Packs are copied by constructors of their own, so that vectors and matrices of them are copied pack by pack. g++
 // copies a plain aggregate in pieces of 16 bytes: a pack that was stored in two pieces must reach the cache before it
 // can be loaded in one, some 20 cycles each time.
 //
-// Included only by files that are compiled once for each instruction set, with UNLATCH_ISA naming it: everything lives
-// in a namespace of that name and is always inlined, so that the linker can never give one processor another one's
-// code.
+// Included only by files that are compiled once for each instruction set, which UNLATCH_ISA names: everything is in a
+// namespace of that name and is always inlined, so that the linker can never take code of another instruction set.
+//
 #pragma once
 
 #include <bit>

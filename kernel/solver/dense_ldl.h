@@ -30,13 +30,20 @@ inline bool factor_ldl(const LowerTriangle& A, int n) {
   return true;
 }
 
-// Solves for a right-hand side whose numbers are `step` apart, in place.
-inline void solve_ldl(const LowerTriangle& A, int n, double* x, std::ptrdiff_t step = 1) {
+// a / s, number by number.
+inline double divide(double a, double s) { return a / s; }
+inline Spatial divide(const Spatial& a, double s) {
+  return {{a.lin.x / s, a.lin.y / s, a.lin.z / s}, {a.ang.x / s, a.ang.y / s, a.ang.z / s}};
+}
+
+// Solves in place. X: double, or Spatial for six right-hand sides at once.
+template <class X>
+inline void solve_ldl(const LowerTriangle& A, int n, X* x) {
   for (int r = 0; r < n; ++r)
-    for (int c = 0; c < r; ++c) x[r * step] -= A(r, c) * x[c * step];
+    for (int c = 0; c < r; ++c) x[r] = x[r] - A(r, c) * x[c];
   for (int r = n - 1; r >= 0; --r) {
-    x[r * step] /= A(r, r);
-    for (int k = r + 1; k < n; ++k) x[r * step] -= A(k, r) * x[k * step];
+    x[r] = divide(x[r], A(r, r));
+    for (int k = r + 1; k < n; ++k) x[r] = x[r] - A(k, r) * x[k];
   }
 }
 

@@ -1,69 +1,79 @@
-// Special path: four children of one parent, and the first to add to it, are summed in registers, and the sum begins
-// the parent's block with the parent's own, without a detour through memory. The sums and their order are those of
-// close_siblings() (parents.h). Worth: see "Special paths" in bench/README.md. Compiled once per instruction set, see
-// kernel/simd/pack.h.
+// Special path: four children of one parent that are the first to add to it are summed in registers, and the parent's
+// block begins with this sum and the parent's own numbers, without a detour through memory. The sums and their order
+// are those of close_siblings() (parents.h). Worth: see "Special paths" in bench/README.md. Compiled once per
+// instruction set, see kernel/simd/pack.h.
 #pragma once
+
+#include <utility>
 
 #include "kernel/solver/parents.h"
 
 namespace unlatch::UNLATCH_ISA {
 
-template <bool kFactor>
-UNLATCH_INLINE void add_four_siblings(const GroupView<Pack<4>, 4>& v, const Passed<Pack<4>>& passed, Source source) {
-  using Four = Pack<4>::Numbers;
-  constexpr int kLoad = kNumbers<ArticulatedT>;
-  Pack<4> numbers[kNumbers<SubtreeBlock>];
-  const auto put_three = [&](int i, const Vec3T<Pack<4>>& a) {
-    numbers[i] = a.x;
-    numbers[i + 1] = a.y;
-    numbers[i + 2] = a.z;
-  };
-  put_three(kLoad, passed.load.lin);
-  put_three(kLoad + 3, passed.load.ang);
-  if constexpr (kFactor) {
-    const ArticulatedT<Pack<4>>& A = passed.A;
-    put_three(0, {A.M.xx, A.M.yy, A.M.zz});
-    put_three(3, {A.M.xy, A.M.xz, A.M.yz});
-    put_three(6, A.H.x);
-    put_three(9, A.H.y);
-    put_three(12, A.H.z);
-    put_three(15, {A.I.xx, A.I.yy, A.I.zz});
-    put_three(18, {A.I.xy, A.I.xz, A.I.yz});
-  }
-  // Four numbers of the parent's block at a time, since what is written in other parts than it is read in must reach
-  // the cache first; the last four overlap those before them.
-  const GroupView<Pack<1>, 1> parent(v.plan, v.ev, static_cast<std::size_t>(v.group.begins), 0);
-  double* const block = parent.blocks.subtree().A.M.xx.lane;
-  const Passed<Pack<1>> own = get_own(parent, source);
-  const auto begin = [&](int i, const Four& first) {
-    store(block + i, Pack<4>(first) + sum_lanes(numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3]));
-  };
-  const Vec3T<Pack<1>>&force = own.load.lin, &torque = own.load.ang;
-  if constexpr (kFactor) {
-    const Pack<4> mass(own.A.M.xx.v), first_three = Pack<4>(Four{1, 1, 1, 0}) > Pack<4>(0.0);
-    const Sym3T<Pack<1>>& I = own.A.I;
-    begin(0,
-          (first_three & mass).v);  // not put together: g++ would use an instruction that valgrind 3.19 does not know
-    begin(4, Four{0, 0, 0, 0});
-    begin(8, Four{0, 0, 0, 0});
-    begin(12, Four{0, 0, 0, I.xx.v});
-    begin(16, Four{I.yy.v, I.zz.v, I.xy.v, I.xz.v});
-    begin(20, Four{I.yz.v, force.x.v, force.y.v, force.z.v});
-  } else {
-    begin(21, Four{force.x.v, force.y.v, force.z.v, torque.x.v});
-  }
-  begin(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
+// Calls use(number) for each number, in the order of memory.
+template <class T, class Use>
+UNLATCH_INLINE void for_numbers(const Vec3T<T>& a, const Use& use) {
+  use(a.x);
+  use(a.y);
+  use(a.z);
+}
+template <class T, class Use>
+UNLATCH_INLINE void for_numbers(const Sym3T<T>& a, const Use& use) {
+  for_numbers(Vec3T<T>{a.xx, a.yy, a.zz}, use);
+  for_numbers(Vec3T<T>{a.xy, a.xz, a.yz}, use);
+}
+template <class T, class Use>
+UNLATCH_INLINE void for_numbers(const Mat3T<T>& a, const Use& use) {
+  for_numbers(a.x, use);
+  for_numbers(a.y, use);
+  for_numbers(a.z, use);
 }
 
-// A group with one parent (ParentLink::kSiblings) takes this path. The plan lets it begin its parent's block
-// where it is four wide, has all of the siblings, and is the first to add to a parent that is alone in its group
+// Numbers of a block and wrench in the order of a SubtreeBlock; without kFactor those of the wrench alone.
+template <bool kFactor, class T>
+UNLATCH_INLINE void list_numbers(const Passed<T>& a, T* to) {
+  int i = 0;
+  const auto put = [&](const T& number) UNLATCH_INLINE_LAMBDA { to[i++] = number; };
+  if constexpr (kFactor) {
+    for_numbers(a.A.M, put);
+    for_numbers(a.A.H, put);
+    for_numbers(a.A.I, put);
+  } else {
+    i = kWrenchIndex;
+  }
+  for_numbers(a.wrench.lin, put);
+  for_numbers(a.wrench.ang, put);
+}
+
+template <bool kFactor>
+UNLATCH_INLINE void add_four_siblings(const GroupView<Pack<4>, 4>& v, const Passed<Pack<4>>& passed, Source source) {
+  constexpr int kCount = kNumbers<SubtreeBlock>, kFirst = kFactor ? 0 : kWrenchIndex;
+  Pack<4> numbers[kCount];
+  list_numbers<kFactor>(passed, numbers);
+  const GroupView<Pack<1>, 1> parent(v.plan, v.ev, static_cast<std::size_t>(v.group.begins), 0);
+  Pack<1> own[kCount];
+  list_numbers<kFactor>(get_own(parent, source), own);
+  double* const block = parent.blocks.subtree().A.M.xx.lane;
+  const auto begin_four = [&](int i) UNLATCH_INLINE_LAMBDA {
+    const Pack<4> first(Pack<4>::Numbers{own[i].v, own[i + 1].v, own[i + 2].v, own[i + 3].v});
+    store(block + i, first + sum_lanes(numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3]));
+  };
+  // Four numbers of the parent's block at a time, because a processor reads back quickly only what it wrote in one
+  // piece; the last four overlap those before them.
+  [&]<int... K>(std::integer_sequence<int, K...>) UNLATCH_INLINE_LAMBDA { (begin_four(kFirst + 4 * K), ...); }
+  (std::make_integer_sequence<int, (kCount - kFirst) / 4>{});
+  begin_four(kCount - 4);
+}
+
+// True for a group with one parent (ParentLink::kSiblings) that takes this path: it begins its parent's block. That is
+// so where it is four wide, has all of the siblings, and is the first to add to a parent that is alone in its group
 // (find_beginnings() in kernel/compile/layout.cc).
 template <int kWidest>
 UNLATCH_INLINE bool sums_in_registers(const Group& siblings) {
   return kWidest >= 4 && siblings.begins != kNone;
 }
 
-// To the parents, by the path that fits. `at_parent`: at the parent's origin, see move().
+// Adds to the parents by the path that fits. `at_parent`: at the parent's origin, see move().
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void pass_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& at_parent, Source source,
                                     SiblingSums& sums) {

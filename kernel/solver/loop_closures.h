@@ -102,10 +102,10 @@ class LoopClosures {
     if (plan.slot == kNone) return;
     const double* F = get_numbers(plan.slot);
     const LaneOf<SubtreeLane> body = get_lane<SubtreeLane>(ev_.blocks.data(), plan_.cluster_nodes[at(plan.node)].place);
-    Spatial load = body.read(&SubtreeLane::load);
+    Spatial load = body.read(&SubtreeLane::wrench);
     for (int k = 0; k < c.rank; ++k)
       load = load + (c.target[c.order[k]] * c.inverse[k]) * get_lane_numbers(F, c.order[k]);
-    body.write(&SubtreeLane::load, load);
+    body.write(&SubtreeLane::wrench, load);
     if constexpr (kFactor) {
       Articulated A = body.read(&SubtreeLane::A);
       for (int k = 0; k < c.rank; ++k) A = downdated(A, -c.inverse[k], get_lane_numbers(F, c.order[k]));

@@ -193,10 +193,10 @@ class LoopPass {
     const MarkerWork marker = get_marker(body, node.marker, ev_);
     const Columns<T> modal = get_columns(node.modal);
     for (int k = 0; k < body.modes; ++k) {
-      const SpatialT<T> column = spread<T>(to_spatial(marker.columns[k]));
+      const SpatialT<T> column = spread<T>(marker.columns[at(k)]);
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) + dot(column, loads.get_spatial(c))); });
     }
-    move({marker.arm[0], marker.arm[1], marker.arm[2]}, loads);
+    move(*marker.arm, loads);
     hand_on(node, loads);
   }
 
@@ -207,22 +207,19 @@ class LoopPass {
     const Columns<T> modal = get_columns(node.modal);
     const bool held = body.inboard != kNone;
     for (int k = 0; k < body.modes && held; ++k) {
-      const SpatialT<T> D = spread<T>(to_spatial(work.D[k]));
+      const SpatialT<T> D = spread<T>(work.D[at(k)]);
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) - dot(D, loads.get_spatial(c))); });
     }
-    if (held) {
-      const double* arm = get_marker(body, body.inboard, ev_).arm;
-      move({-arm[0], -arm[1], -arm[2]}, loads);
-    }
+    if (held) move(-*get_marker(body, body.inboard, ev_).arm, loads);
     for (int k = 0; k < body.modes; ++k) {
-      const SpatialT<T> W = spread<T>(to_spatial(work.W[k]));
+      const SpatialT<T> W = spread<T>(work.W[at(k)]);
       loads.for_packs([&](int c) { loads.set_spatial(c, loads.get_spatial(c) - modal.get(k, c) * W); });
     }
     eliminate(work.E, body.modes, modal);
     if (held)
       hand_on(node, loads);
     else
-      eliminate(work.root, 6, loads);
+      eliminate(work.root->get_lower(), 6, loads);
   }
 
   // By the factor of a dense block: forward through its unit triangle, and each row gives.
@@ -257,7 +254,6 @@ class LoopPass {
     const std::int32_t body = plan_.nodes[at(node.node)].body;
     return plan_.flexible[at(plan_.bodies[at(body)].flexible)];
   }
-  static Spatial to_spatial(const double* six) { return {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}}; }
 
   const PlanData& plan_;
   Evaluation& ev_;

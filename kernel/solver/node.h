@@ -1,5 +1,5 @@
-// One body of the tree as the solver sees it: its block and load, its joint's freedoms and rows, and the factor of a
-// block that nothing holds. Compiled once per instruction set, see kernel/simd/pack.h.
+// One body of the tree in the solver: its block and wrench, its joint's freedoms and rows, and the factor of a block
+// that nothing holds. Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
 #include "kernel/plan/group_view.h"
@@ -7,10 +7,10 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// A pivot this small beside what it was before the joint's other freedoms were eliminated is rounding noise.
+// A pivot that the elimination of the joint's other freedoms has reduced by this factor is rounding noise.
 inline constexpr double kVanishing = 1e-13;
 
-// Direction of freedom r at the child's origin, by its kind. Hands it to use(direction).
+// Calls use(direction) with the direction of freedom r at the child's origin, whose type is that of its kind.
 template <class V, class Use, class T = typename V::T>
 UNLATCH_INLINE auto with_freedom(const V& v, int r, const Use& use) {
   const Vec3T<T> axis = v.get_axis(r);
@@ -32,7 +32,7 @@ UNLATCH_INLINE SpatialT<T> get_bias(const V& v, bool biased) {
 }
 
 template <class V, class T = typename V::T>
-UNLATCH_INLINE SpatialT<T> get_own_load(const V& v, Source source) {
+UNLATCH_INLINE SpatialT<T> get_own_wrench(const V& v, Source source) {
   if (source == Source::kForces) return load<T>(v.blocks.shared().force);
   const T o(0.0);
   return {{o, o, o}, {o, o, o}};
@@ -56,14 +56,14 @@ UNLATCH_INLINE ArticulatedT<T> get_body_block(const T& mass, const Sym3T<T>& ine
 // --- The block of a body that nothing, or little, holds --------------------------------------------------------------
 
 // LDLᵀ of a symmetric 3×3, from its minors, so that its divisions do not wait for each other. As accurate as one pivot
-// after the other: what is subtracted and what is left keep their proportions. `bad`: lanes where a pivot vanished
-// beside the diagonal entry that it came from.
+// after the other, since each minor is the pivot times the pivots before it. `bad`: lanes where a pivot vanished
+// relative to its diagonal entry in `whole`.
 template <class T>
 UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& bad) {
   const T minor = s.xx * s.yy - s.xy * s.xy, e = s.xx * s.yz - s.xy * s.xz, last = s.xx * s.zz - s.xz * s.xz;
   const T scale = s.xx * minor, rest = last * minor - e * e;
   const T tiny(kVanishing), i0 = T(1) / s.xx, by_minor = T(1) / minor;
-  // The least of what is left over; the last of them is no number if one of the others is not.
+  // The least of the three remainders; the last is NaN if one of the others is.
   const T first = s.xx - tiny * whole.xx, second = minor - tiny * (s.xx * whole.yy),
           third = rest - tiny * (scale * whole.zz);
   bad = bad | ~(min(min(first, second), third) > T(0.0));
@@ -90,7 +90,8 @@ UNLATCH_INLINE SpatialT<T> solve_free(const FreeFactorT<T>& f, const SpatialT<T>
   return {solve(f.M, b.lin) - f.W * ang, ang};
 }
 
-// --- The body's block and load ---------------------------------------------------------------------------------------
+// --- The body's block and wrench
+// ---------------------------------------------------------------------------------------
 
 // With what its children have added. A leaf's block is diag(mass, I).
 template <class T, bool kLeaf>
@@ -100,13 +101,13 @@ template <class T>
 struct Node<T, true> {
   T mass;
   Sym3T<T> I;
-  SpatialT<T> load;
+  SpatialT<T> wrench;
 
   template <int kWidth>
   UNLATCH_INLINE Node(const GroupView<T, kWidth>& v, Source source)
-      : mass(UNLATCH_ISA::load<T>(v.constants.solver().mass)),
-        I(UNLATCH_ISA::load<T>(v.blocks.shared().inertia)),
-        load(get_own_load(v, source)) {}
+      : mass(load<T>(v.constants.solver().mass)),
+        I(load<T>(v.blocks.shared().inertia)),
+        wrench(get_own_wrench(v, source)) {}
   UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return {mass * a.lin, I * a.ang}; }
   UNLATCH_INLINE SlideT<T> times(const SlideT<T>& a) const { return {mass * a.lin}; }
   UNLATCH_INLINE ArticulatedT<T> get_block() const { return get_body_block(mass, I); }
@@ -126,7 +127,7 @@ struct Node<T, true> {
   UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const SpatialT<T>& b) const {
     return {f.M.i0 * b.lin, unlatch::solve(f.K, b.ang)};
   }
-  // False only where something is not finite: nothing has been taken out of it.
+  // False only where something is not finite: a leaf's block has not been reduced.
   template <class S>
   UNLATCH_INLINE T is_pivot(const T& pivot, const S&) const {
     return pivot > T(0.0);
@@ -141,11 +142,11 @@ struct Node<T, true> {
 template <class T>
 struct Node<T, false> {
   ArticulatedT<T> A;
-  SpatialT<T> load;
+  SpatialT<T> wrench;
 
   template <int kWidth>
   UNLATCH_INLINE Node(const GroupView<T, kWidth>& v, Source)
-      : A(UNLATCH_ISA::load<T>(v.blocks.subtree().A)), load(UNLATCH_ISA::load<T>(v.blocks.subtree().load)) {}
+      : A(load<T>(v.blocks.subtree().A)), wrench(load<T>(v.blocks.subtree().wrench)) {}
   template <class S>
   UNLATCH_INLINE SpatialT<T> times(const S& a) const {
     return A * a;

@@ -1,4 +1,4 @@
-// Blocks and loads on their way from children to their parents, in one fixed order of sums. Compiled once per
+// Blocks and wrenches on their way from children to their parents, in one fixed order of sums. Compiled once per
 // instruction set, see kernel/simd/pack.h.
 #pragma once
 
@@ -6,11 +6,11 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// Block and load that a joint passes to its parent, at the child's origin.
+// Block and wrench that a joint passes to its parent, at the child's origin.
 template <class T>
 struct Passed {
   ArticulatedT<T> A;
-  SpatialT<T> load;
+  SpatialT<T> wrench;
 };
 template <class T>
 UNLATCH_INLINE Passed<T> get_nothing() {
@@ -18,8 +18,8 @@ UNLATCH_INLINE Passed<T> get_nothing() {
   return {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
 }
 
-// Sums over the children of one parent, one partial sum per lane: child k counts towards the (k mod 8)-th. As wide as
-// the first group of siblings that comes.
+// Sums over the children of one parent, one partial sum per lane: child k is added to the (k mod 8)-th. As wide as the
+// first group of siblings in the pass.
 struct SiblingSums {
   double numbers[kNumbers<SubtreeBlock> * 8];
 
@@ -29,35 +29,35 @@ struct SiblingSums {
   }
 };
 
-// Its own inertia and load: the sums at a body begin with them.
+// A body's own inertia and wrench, with which the sums at it begin.
 template <class V, class T = typename V::T>
 UNLATCH_INLINE Passed<T> get_own(const V& v, Source source) {
   return {get_body_block(load<T>(v.constants.solver().mass), load<T>(v.blocks.shared().inertia)),
-          get_own_load(v, source)};
+          get_own_wrench(v, source)};
 }
 
-// kFactor: block and load; else the load alone.
+// kFactor: block and wrench; else the wrench alone.
 template <bool kFactor, class T, int W>
 UNLATCH_INLINE void store(SubtreeBlock<Wide<W>>& to, const Passed<T>& passed) {
-  store(to.load, passed.load);
+  store(to.wrench, passed.wrench);
   if constexpr (kFactor) store(to.A, passed.A);
 }
 template <bool kFactor, class T, int W>
 UNLATCH_INLINE void add(SubtreeBlock<Wide<W>>& to, const Passed<T>& passed) {
-  store(to.load, load<T>(to.load) + passed.load);
+  store(to.wrench, load<T>(to.wrench) + passed.wrench);
   if constexpr (kFactor) store(to.A, load<T>(to.A) + passed.A);
 }
 
-// As the parent sees it.
+// The same at the parent's origin.
 template <bool kFactor, class T>
 UNLATCH_INLINE Passed<T> move(const Passed<T>& passed, const Vec3T<T>& offset) {
   Passed<T> out;
   if constexpr (kFactor) out.A = shift(passed.A, offset);
-  out.load = {passed.load.lin, passed.load.ang + cross(offset, passed.load.lin)};
+  out.wrench = shift_wrench(passed.wrench, offset);
   return out;
 }
 
-// The blocks of a group begin with the bodies' own.
+// Begins the blocks of a group with those of its bodies alone.
 template <int kWidest, bool kFactor>
 UNLATCH_INLINE void begin_block(const PlanData& plan, Evaluation& ev, std::int32_t group, Source source) {
   for_width<kWidest>(plan.groups[at(group)], [&]<class T, int kWidth>() {
@@ -94,14 +94,14 @@ UNLATCH_INLINE Pack<4> sum_four(const double* s, int width) {
   return width == 4 ? sum_half(s) : sum_half(s) + sum_half(s + 4);
 }
 
-// The sums of all siblings, once the last group has come, to their parent.
+// Adds the sums of all siblings to their parent, after their last group.
 template <int kWidest, bool kFactor>
 UNLATCH_INLINE void close_siblings(const PlanData& plan, Evaluation& ev, const Group& group, Source source,
                                    const SiblingSums& sums) {
   if (group.begins != kNone) begin_block<kWidest, kFactor>(plan, ev, group.begins, source);
   const int width = group.siblings_begin ? group.width : 8;  // of several groups the first to come is full
   const LaneOf<SubtreeLane> to = get_lane<SubtreeLane>(ev.blocks.data(), plan.lane_parents[at(group.first)]);
-  int i = kFactor ? 0 : kNumbers<ArticulatedT>;
+  int i = kFactor ? 0 : kWrenchIndex;
   if constexpr (kWidest >= 4)
     for (; i + 4 <= kNumbers<SubtreeBlock>; i += 4) {
       const Pack<4> sum = sum_four(sums.numbers + i * width, width);
@@ -114,7 +114,7 @@ UNLATCH_INLINE void close_siblings(const PlanData& plan, Evaluation& ev, const G
   for (; i < kNumbers<SubtreeBlock>; ++i) to.first[i * to.stride] += sum_lanes(sums.numbers + i * width, width);
 }
 
-// --- Whatever the parents are ----------------------------------------------------------------------------------------
+// --- Parents of any link ----------------------------------------------------------------------------------------
 
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& passed, Source source,
@@ -132,7 +132,7 @@ UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T
     if (v.group.begins == kNone) return add<kFactor>(block, passed);
     const GroupView<T, kWidth> parent(v.plan, v.ev, static_cast<std::size_t>(v.group.begins), v.lane);
     const Passed<T> own = get_own(parent, source);
-    Passed<T> sum{{}, own.load + passed.load};
+    Passed<T> sum{{}, own.wrench + passed.wrench};
     if constexpr (kFactor) sum.A = own.A + passed.A;
     return store<kFactor>(block, sum);
   }
@@ -141,7 +141,7 @@ UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T
   for (int i = 0; i < T::kWidth; ++i) {
     const LaneOf<SubtreeBlock<double>> to = get_lane<SubtreeBlock<double>>(blocks, v.parents[i]);
     const LaneOf<SubtreeBlock<double>> from{each + i, T::kWidth};
-    for (int n = kFactor ? 0 : kNumbers<ArticulatedT>; n < kNumbers<SubtreeBlock>; ++n)
+    for (int n = kFactor ? 0 : kWrenchIndex; n < kNumbers<SubtreeBlock>; ++n)
       to.first[n * to.stride] += from.first[n * from.stride];
   }
 }

@@ -1,5 +1,5 @@
-// Special path: large systems ask for the next group's solver blocks before their turn, in the direction in which the
-// sweep goes through the memory: a processor foresees a stream of lines that rise or fall one by one, and of no others.
+// Special path: in large systems the next group's solver blocks are fetched before their turn, in the direction in
+// which the sweep goes through the memory. A processor does this by itself only for lines that rise or fall one by one.
 // Worth: see "Special paths" in bench/README.md. Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
@@ -7,19 +7,17 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// More blocks than caches hold, 32 MiB: within them asking costs more than waiting.
-inline bool is_far(const PlanData& plan) { return plan.block_numbers > (32 << 20) / 8; }
+// Blocks larger than this, bytes, are beyond the caches; of smaller ones fetching ahead costs more than it saves.
+inline constexpr std::size_t kCacheBytes = std::size_t{32} << 20;
+inline bool is_far(const PlanData& plan) { return at(plan.block_numbers) > kCacheBytes / sizeof(double); }
 
 template <int kDirection>
 UNLATCH_INLINE void prefetch_block(const PlanData& plan, const Evaluation& ev, std::size_t g) {
   const Group& group = plan.groups[g];
   const double* block = ev.blocks.data() + group.solver;
-  // The first group of a block of eight has the SharedBlock before its own.
-  const bool first_of_eight = group.shared % kEight == 0;
-  const int first =
-      (group.leaf ? 0 : -kNumbers<SubtreeBlock> * group.width) - (first_of_eight ? kNumbers<SharedBlock> * kEight : 0);
-  const int end = group.size * group.width;
-  for (int i = first; i < end; i += 8) __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);
+  const auto [first, end] = get_solver_range(group);
+  for (int i = first; i < end; i += kLineNumbers)
+    __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);
 }
 
 }  // namespace unlatch::UNLATCH_ISA

@@ -117,8 +117,7 @@ class Split {
     const std::int32_t body = plan_.nodes[at(node.node)].body;
     const PlanFlexible& flexible = plan_.flexible[at(plan_.bodies[at(body)].flexible)];
     const bool inward = kind == BodyKind::kFlexible;
-    const MarkerWork marker = get_marker(flexible, inward ? flexible.inboard : node.marker, ev_);
-    const Vec3 arm{marker.arm[0], marker.arm[1], marker.arm[2]};
+    const Vec3 arm = *get_marker(flexible, inward ? flexible.inboard : node.marker, ev_).arm;
     return inward ? -arm : arm;
   }
 

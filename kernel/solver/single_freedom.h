@@ -1,4 +1,4 @@
-// Special path: groups whose lanes all move in the same single freedom, such as hinges, are factored without branches
+// Special path: groups whose lanes all have one and the same freedom, such as hinges, are factored without branches
 // between the sums. The sums and their order are those of eliminate() (tree_sweeps.h). Worth: see "Special paths" in
 // bench/README.md. Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
@@ -22,9 +22,9 @@ template <bool kLeaf, class T, int kWidth>
     const Node<T, kLeaf> node(v, sweep.source);
     T bad(0.0);
     Passed<T> passed;
-    passed.load = node.load - node.times(get_bias(v, sweep.biased));
+    passed.wrench = node.wrench - node.times(get_bias(v, sweep.biased));
     with_freedom(v, r, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
-      passed.A = get_whole(eliminate_first(v, node, sweep, r, s, passed.load, bad));
+      passed.A = get_whole(eliminate_first(v, node, sweep, r, s, passed.wrench, bad));
     });
     if (any(bad)) return find_bad_node(plan, v.group, lane, bad);
     if (v.group.link == ParentLink::kRoot) continue;

@@ -70,10 +70,10 @@ UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const 
 }
 
 // Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as
-// independent: the stages of a step lie a little off the rows, so that redundant ones contradict each other there; the
-// evaluation at the beginning of the step tells how many are not, and, of loops that are eliminated where they close,
-// which. Adds the loops' reactions to SharedBlock::force:
-// another solve of the same instant needs the forces anew. Returns kNone, or the node whose pivot vanished.
+// independent: stages of a step are slightly off the rows, so that redundant rows contradict each other there; their
+// number, and of loops that are eliminated where they close which they are, is that at the beginning of the step. Adds
+// the loops' reactions to SharedBlock::force: another solve of the same instant needs the forces computed again.
+// Returns kNone, or the node whose pivot vanished.
 template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
   if (!plan.closures.empty()) {

@@ -13,8 +13,8 @@ enum class Source : std::int32_t {
 
 struct Sweep {
   Source source = Source::kForces;
-  bool biased = true;       // false: the rows' right-hand sides count as zero
-  bool multipliers = true;  // recover them on the way down
+  bool biased = true;       // false: the rows' right-hand sides are taken as zero
+  bool multipliers = true;  // the forward pass computes them too
   double gamma_h = 0;       // s; a stage of ROS2: springs and modes that are integrated implicitly add to their pivots
 };
 

@@ -1,8 +1,8 @@
-// The block LDLᵀ of the KKT matrix [M −Gᵀ; −G 0] over the tree, in groups, in O(n), for whatever rows hold.
-//
+// The block LDLᵀ of the KKT matrix [M −Gᵀ; −G 0] over the tree, in groups, in O(n), for any set of rows that hold.
+// tests/support/scalar_solver.h has the same recursion one body at a time, with its derivation.
 // Baraff 1996 (CMU-RI-TR-95-44) eliminates, leaves to root, a body block and then the block of its joint's multipliers.
-// The same factorisation in closed form, by whichever side of the joint is smaller. With A the block of a body and all
-// outboard of it, in world axes at the body's own origin, a joint adds to its parent
+// This is the same factorisation in closed form, by the rows or the freedoms of a joint, whichever are fewer. With A
+// the block of a body and all outboard of it, in world axes at the body's own origin, a joint adds to its parent
 //   three rows or more (k ≤ 3 freedoms s):  A − A S (Sᵀ A S)⁻¹ Sᵀ A       k rank-one downdates, one freedom at a time
 //   one or two rows w:                       W (Wᵀ A⁻¹ W)⁻¹ Wᵀ            rank-one updates, rows made A⁻¹-orthogonal
 //   none:                                    nothing
@@ -33,11 +33,11 @@ UNLATCH_INLINE FreeFactorT<T> eliminate_free(const V& v, const N& node, T& bad) 
   } else {
     f = load<T>(own.factor);
   }
-  store(own.response, node.solve(f, node.load));
+  store(own.response, node.solve(f, node.wrench));
   return f;
 }
 
-// Each row in turn, made A⁻¹-orthogonal to those before it, is an update of rank one. Adds what the rows pass on.
+// Adds to `passed` what the rows pass on: each row, made A⁻¹-orthogonal to those before it, is an update of rank one.
 template <bool kFactor, class V, class N, class T>
 UNLATCH_INLINE void eliminate_rows(const V& v, const N& node, const SpatialT<T>& bias, Passed<T>& passed, T& bad) {
   T singular(0.0);
@@ -70,7 +70,7 @@ UNLATCH_INLINE void eliminate_rows(const V& v, const N& node, const SpatialT<T>&
     const SpatialT<T> w = load<T>(own.wrench);
     const T mu = load<T>(own.inverse_pivot) * dot(w, free - bias);
     store(own.mu, mu);
-    passed.load = passed.load + mu * w;
+    passed.wrench = passed.wrench + mu * w;
   }
 }
 
@@ -89,14 +89,14 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   const SpatialT<T> bias = get_bias(v, sweep.biased);
   Passed<T> passed;
   if (v.modes.by_freedoms) {
-    passed.load = node.load - node.times(bias);
+    passed.wrench = node.wrench - node.times(bias);
     if constexpr (kFactor)
       factor_freedoms(v, node, sweep, passed, bad);
     else
-      reduce_freedoms(v, passed.load);
+      reduce_freedoms(v, passed.wrench);
     if (v.modes.by_rows) {
       const T mask = load<T>(v.blocks.solver().by_freedoms);
-      passed.load = mask & passed.load;
+      passed.wrench = mask & passed.wrench;
       if constexpr (kFactor) passed.A = mask & passed.A;
     }
   } else {
@@ -106,7 +106,7 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   if (v.group.link == ParentLink::kRoot) return;
   if (v.modes.by_freedoms || v.modes.rows != 0)
     pass_to_parents<kFactor>(v, move<kFactor>(passed, load<T>(v.blocks.solver().offset)), sweep.source, sums);
-  else if (v.group.siblings_begin || v.group.begins != kNone)  // they begin sums, with nothing
+  else if (v.group.siblings_begin || v.group.begins != kNone)  // sums begin here, with zero
     pass_to_parents<kFactor>(v, get_nothing<T>(), sweep.source, sums);
 }
 
@@ -125,7 +125,7 @@ template <bool kLeaf, bool kFactor, class T, int kWidth>
   return kNone;
 }
 
-// What else happens at each group on a sweep: nothing in a tree.
+// Actions of a sweep before and after each group, other than those on the tree: none.
 struct NothingElse {
   UNLATCH_INLINE void before(std::size_t) const {}
   UNLATCH_INLINE void after(std::size_t) const {}
@@ -167,7 +167,7 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
 
 // --- Forward pass, root to leaves ------------------------------------------------------------------------------------
 
-// The wrench A a − b that the joint puts on the child, as multipliers on its follower: 0 for rows that do not hold.
+// The wrench A a − b that the joint exerts on the child, as multipliers on its follower: 0 for rows that do not hold.
 template <class V, class T>
 UNLATCH_INLINE void store_multipliers(const V& v, const SpatialT<T>& on_child) {
   auto& solver = v.blocks.solver();
@@ -197,7 +197,7 @@ UNLATCH_INLINE SpatialT<T> substitute_freedoms(const V& v, const SpatialT<T>& ca
     left ^= 1u << r;
     auto& own = v.blocks.freedom(r);
     const T q = load<T>(own.inverse_pivot) * (load<T>(own.beta) - dot(load<T>(own.U), a));
-    store(own.beta, q);
+    store(own.acceleration, q);
     a = with_freedom(v, r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return a + q * s; });
   }
   return biased ? a + load<T>(v.blocks.solver().bias) : a;
@@ -222,7 +222,7 @@ UNLATCH_INLINE void substitute_lanes(const V& v, const Sweep& sweep) {
   SpatialT<T> carried{{o, o, o}, {o, o, o}};
   if (v.group.link != ParentLink::kRoot) {
     carried = visit_parents(v, [](const auto& parents) { return load(parents, &SharedBlock<double>::acceleration); });
-    carried.lin += cross(carried.ang, load<T>(v.blocks.solver().offset));
+    carried = shift_motion(carried, load<T>(v.blocks.solver().offset));
   }
   SpatialT<T> a;
   if (v.modes.by_freedoms) {
@@ -238,7 +238,7 @@ UNLATCH_INLINE void substitute_lanes(const V& v, const Sweep& sweep) {
   store(v.blocks.shared().acceleration, a);
   if (!sweep.multipliers || !v.group.has_joint) return;
   const Node<T, kLeaf> node(v, sweep.source);
-  store_multipliers(v, node.times(a) - node.load);
+  store_multipliers(v, node.times(a) - node.wrench);
 }
 
 template <bool kLeaf, class T, int kWidth>

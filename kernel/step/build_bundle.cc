@@ -8,12 +8,12 @@
 namespace unlatch {
 namespace {
 
-constexpr std::align_val_t kAlignment{64};  // a cache line; the workspace asks for it
+constexpr std::align_val_t kAlignment{64};  // a cache line, as a workspace requires
 
 void free_memory(std::byte* memory) { ::operator delete(memory, kAlignment); }
 
 bool is_fit(const Model& model, const Plan& plan) {
-  const PlanData& data = plan.data();
+  const PlanData& data = get_data(plan);
   return data.loops.empty() && data.non_tree_joints.empty() && data.flexible.empty() &&
          model.contact_substeps == data.contact_substeps;
 }
@@ -32,7 +32,7 @@ class MemberPlacer {
       for (std::size_t kind = 1; kind < kElementKinds; ++kind)
         for (std::size_t other = 0; other < kind; ++other) elements_[kind] += counts[other];
     }
-    for (const Plan* plan : plans) totals_ += static_cast<std::int32_t>(plan->data().varying.size());
+    for (const Plan* plan : plans) totals_ += static_cast<std::int32_t>(get_data(*plan).varying.size());
   }
 
   BundleMember place(const Model& model, const PlanData& plan, const PlanData& joined) {
@@ -88,11 +88,11 @@ class MemberPlacer {
 
 BundleData::BundleData(Plan plan_in)
     : plan(std::move(plan_in)),
-      commands(at(plan.data().channel_count)),
+      commands(at(get_data(plan).channel_count)),
       memory(static_cast<std::byte*>(::operator new(plan.get_workspace_bytes(), kAlignment)), free_memory) {
   std::fill_n(memory.get(), plan.get_workspace_bytes(), std::byte{0});
   workspace = Workspace(plan, {memory.get(), plan.get_workspace_bytes()});
-  init_state(plan, workspace.data().kept.state);
+  init_state(plan, get_data(workspace).kept.state);
 }
 
 Bundle::Bundle(std::unique_ptr<BundleData> data) : data_(std::move(data)) {}
@@ -109,7 +109,7 @@ std::optional<Bundle> Bundle::build(std::span<const Model* const> models, std::s
   auto data = std::make_unique<BundleData>(*std::move(joined.plan));
   MemberPlacer placer(models, plans);
   for (std::size_t m = 0; m < models.size(); ++m)
-    data->members.push_back(placer.place(*models[m], plans[m]->data(), data->plan.data()));
+    data->members.push_back(placer.place(*models[m], get_data(*plans[m]), get_data(data->plan)));
   return Bundle(std::move(data));
 }
 

@@ -1,4 +1,4 @@
-#include "unlatch/bundle.h"
+#include "kernel/step/bundle.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,8 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/quantities/quantities.h"
-#include "kernel/step/bundle.h"
+#include "unlatch/bundle.h"
+#include "unlatch/step.h"
 
 namespace unlatch {
 namespace {
@@ -38,8 +39,8 @@ void for_parts(const BundleMember& member, const State& own, const State& joined
   whole(own.bearings, joined.bearings, member.bearing);
 }
 
-// The joined state takes over a member's; true if it was another.
-bool take_over(const BundleMember& member, const State& own, const State& joined) {
+// Copies a member's state into the joined one. True if that was different.
+bool copy_in(const BundleMember& member, const State& own, const State& joined) {
   bool differs = false;
   for_parts(member, own, joined, [&](std::span<std::byte> from, std::span<std::byte> to) {
     if (std::memcmp(from.data(), to.data(), from.size()) == 0) return;
@@ -49,21 +50,21 @@ bool take_over(const BundleMember& member, const State& own, const State& joined
   return differs;
 }
 
-void give_back(const BundleMember& member, const State& joined, const State& own) {
+void copy_out(const BundleMember& member, const State& joined, const State& own) {
   for_parts(member, own, joined, [](std::span<std::byte> to, std::span<std::byte> from) {
     std::memcpy(to.data(), from.data(), from.size());
   });
 }
 
-// A step side by side, under way.
+// One step of several runs side by side.
 class SideBySide {
  public:
   SideBySide(BundleData& data, std::span<BundleRun> runs)
       : data_(data),
-        plan_(data.plan.data()),
+        plan_(get_data(data.plan)),
         inputs_{data.commands},
-        kept_(data.workspace.data().kept),
-        search_(data.workspace.data().search),
+        kept_(get_data(data.workspace).kept),
+        search_(get_data(data.workspace).search),
         ev_(kept_.evaluation),
         state_(kept_.state),
         runs_(runs) {
@@ -93,7 +94,7 @@ class SideBySide {
       const BundleMember& member = data_.members[m];
       std::copy(runs_[m].inputs.commands.begin(), runs_[m].inputs.commands.end(),
                 data_.commands.begin() + member.channel);
-      differs |= take_over(member, *runs_[m].state, state_);
+      differs |= copy_in(member, *runs_[m].state, state_);
       if (runs_[m].goes_on && !any) state_.header->tick = runs_[m].state->header->tick;
       any |= runs_[m].goes_on;
     }
@@ -105,7 +106,7 @@ class SideBySide {
     const bool stiff = is_stiff(plan_, state_, 0.5 * (begin_ + end_));
     for (std::size_t m = 0; m < runs_.size(); ++m)
       stays_[m] = stays_[m] && begins_quietly(m) &&
-                  is_stiff(runs_[m].plan->data(), *runs_[m].state, 0.5 * (begin_ + end_)) == stiff;
+                  is_stiff(get_data(*runs_[m].plan), *runs_[m].state, 0.5 * (begin_ + end_)) == stiff;
     log_beginning();
     return true;
   }
@@ -116,7 +117,7 @@ class SideBySide {
     return true;
   }
 
-  // The guards of a member's events, and those of its pairs of shapes, among those of all.
+  // The guards of a member's events and of its pairs of shapes.
   struct Guards {
     std::span<const double> events, pairs;
   };
@@ -130,10 +131,10 @@ class SideBySide {
     return state_.events.subspan(at(data_.members[m].event), runs_[m].state->events.size());
   }
 
-  // No event is due at the beginning of the step, as is_due() in events.cc has it; none that waits becomes due in it;
-  // no contact is closed.
+  // True if no event of the member is due at the beginning of the step (compare is_due() in events.cc), no pending
+  // event becomes due in it, and no contact is closed.
   bool begins_quietly(std::size_t m) const {
-    const PlanData& own = runs_[m].plan->data();
+    const PlanData& own = get_data(*runs_[m].plan);
     const Guards guards = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
     const double slack = plan_.get_slack();
@@ -166,9 +167,9 @@ class SideBySide {
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
 
-  // No guard crosses zero, as crosses() in event_search.cc has it, and no pair of shapes can have touched in between.
+  // True if no guard crosses zero (compare crosses() in event_search.cc), and no pair of shapes can have touched.
   bool passes_quietly(std::size_t m) const {
-    const PlanData& own = runs_[m].plan->data();
+    const PlanData& own = get_data(*runs_[m].plan);
     const double slack = plan_.get_slack();
     const Guards low = get_guards(m, search_.guards_low), high = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
@@ -187,7 +188,7 @@ class SideBySide {
 
   bool leaves_table(std::size_t m) const {
     const std::span<const TableExit> exits =
-        ev_.table_exits.subspan(at(data_.members[m].table), runs_[m].plan->data().laws.tables.size());
+        ev_.table_exits.subspan(at(data_.members[m].table), get_data(*runs_[m].plan).laws.tables.size());
     return std::ranges::any_of(exits, [](const TableExit& exit) { return exit.end == TableAxis::End::kError; });
   }
 
@@ -195,10 +196,11 @@ class SideBySide {
   void finish(std::size_t m) {
     BundleRun& run = runs_[m];
     const BundleMember& member = data_.members[m];
-    give_back(member, state_, *run.state);
+    copy_out(member, state_, *run.state);
     run.state->header->tick = state_.header->tick;
-    FinalEvaluation& own = run.workspace->data().kept;
-    own.valid = false;  // these outputs and readings are all that it has of the new state
+    FinalEvaluation& own = get_data(*run.workspace).kept;
+    own.valid = false;  // it has the outputs and readings of the new state, and nothing else
+    std::memcpy(own.state.get_bytes().data(), run.state->get_bytes().data(), own.state.get_bytes().size());
     Evaluation& to = own.evaluation;
     for (std::size_t b = 0; b < to.places.size(); ++b)
       write(to.blocks.data(), to.places[b], &SharedBlock<double>::acceleration, get_acceleration(member, b));
@@ -220,7 +222,7 @@ class SideBySide {
     std::copy_n(ev_.sensors.begin() + member.sensor, sensors.size(), sensors.begin());
     std::copy_n(ev_.quantities.begin() + member.quantity, quantities.size(), quantities.begin());
   }
-  // Those of elements that do not follow from the state alone, see calc_element() in elements/readings.cc.
+  // What readings of elements need beside the state, see calc_element() in elements/readings.cc.
   void copy_readings(const BundleMember& member, Evaluation& to) const {
     std::copy_n(ev_.load_sizes.begin() + member.load, to.load_sizes.size(), to.load_sizes.begin());
     std::copy_n(ev_.laws.begin() + member.law, to.laws.size(), to.laws.begin());
@@ -232,7 +234,7 @@ class SideBySide {
     }
   }
 
-  // The knots at the beginning of the step. A run that leaves later writes its own.
+  // Logs the beginning of the step. A run that takes the step alone writes its log anew.
   void log_beginning() {
     if (std::none_of(runs_.begin(), runs_.end(), [](const BundleRun& run) { return run.log != nullptr; })) return;
     update_readings(get_instant(begin_), ev_);
@@ -249,7 +251,7 @@ class SideBySide {
     knot.time = time;
     knot.begins = begins;
     *knot.state.header = {state_.header->tick, runs_[m].plan->get_hash()};
-    give_back(member, state_, knot.state);
+    copy_out(member, state_, knot.state);
     for (std::size_t b = 0; b < knot.accelerations.size(); ++b) knot.accelerations[b] = get_acceleration(member, b);
     for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = get_multiplier(member, i);
     copy_outputs(member, knot.sensors, knot.quantities);

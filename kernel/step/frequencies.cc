@@ -19,7 +19,7 @@ struct UnitEffort {
   Spatial on_base, on_follower;
 };
 
-// Of an element that has no direction now, along x.
+// The same of an element that has no direction now: along x.
 UnitEffort calc_unit(const Effort& effort) {
   const Vec3 e = norm(effort.direction) > 0 ? effort.direction : Vec3{1, 0, 0};
   if (effort.turns) return {effort.base, effort.follower, {{0, 0, 0}, -e}, {{0, 0, 0}, e}};
@@ -40,7 +40,7 @@ double calc_mobility(const PlanData& plan, const UnitEffort& effort, Evaluation&
 
 // An evaluation of `state` that mobilities can be computed with; null if a pivot vanishes.
 Evaluation* factor(const PlanData& plan, const State& state, Workspace& workspace) {
-  FinalEvaluation& kept = workspace.data().kept;
+  FinalEvaluation& kept = get_data(workspace).kept;
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
   load_state(plan, state, ev);
@@ -60,7 +60,7 @@ namespace {
 template <class Choose, class Use>
 void for_each_mobility(const Plan& owner, const State& state, Workspace& workspace, const Choose& chosen,
                        const Use& use) {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   Evaluation* const ev = factor(plan, state, workspace);
   if (ev == nullptr) return;
   const Inputs none;
@@ -82,7 +82,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& s
   const auto is_spring = []<class Kind>(Kind) { return HasSpring<Kind>; };
   for_each_mobility(owner, state, workspace, is_spring, [&]<class Kind>(Kind, const auto& own, double mobility) {
     if constexpr (HasSpring<Kind>) {
-      const LinearSpring spring = Kind::get_spring(owner.data(), own);
+      const LinearSpring spring = Kind::get_spring(get_data(owner), own);
       out.push_back({own.element, std::sqrt(spring.stiffness * mobility), spring.damping * mobility, spring.implicit});
     }
   });

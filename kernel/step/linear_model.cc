@@ -76,7 +76,7 @@ class Linearisation {
  public:
   Linearisation(const Plan& owner, const State& state, std::span<const double> commands, const LinearOutputs& outputs)
       : owner_(owner),
-        plan_(owner.data()),
+        plan_(get_data(owner)),
         state_(state),
         outputs_(outputs),
         layout_(plan_),
@@ -126,13 +126,11 @@ class Linearisation {
     bool corner;
   };
 
-  Evaluation& ev() { return workspace_.data().kept.evaluation; }
+  Evaluation& ev() { return get_data(workspace_).kept.evaluation; }
   Index count_outputs() const { return std::ssize(outputs_.sensors) + std::ssize(outputs_.quantities); }
 
   // The evaluation of a state: frames, accelerations, sensors; and the factor of the solver.
-  bool update(const State& state) {
-    return update_outputs(owner_, {commands_}, state, workspace_) == StepStatus::kOk;
-  }
+  bool update(const State& state) { return update_outputs(owner_, {commands_}, state, workspace_) == StepStatus::kOk; }
 
   VectorXd read_velocity(const State& state) const {
     VectorXd v(layout_.size());
@@ -143,8 +141,7 @@ class Linearisation {
     }
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       const PlanFlexible& own = plan_.flexible[i];
-      for (int k = 0; k < own.modes; ++k)
-        v[layout_.modal(i) + k] = state.auxiliary[at(own.auxiliary + own.modes + k)];
+      for (int k = 0; k < own.modes; ++k) v[layout_.modal(i) + k] = state.auxiliary[at(own.auxiliary + own.modes + k)];
     }
     return v;
   }
@@ -156,8 +153,7 @@ class Linearisation {
     }
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       const PlanFlexible& own = plan_.flexible[i];
-      for (int k = 0; k < own.modes; ++k)
-        state.auxiliary[at(own.auxiliary + own.modes + k)] = v[layout_.modal(i) + k];
+      for (int k = 0; k < own.modes; ++k) state.auxiliary[at(own.auxiliary + own.modes + k)] = v[layout_.modal(i) + k];
     }
   }
   // Goes along a velocity for a time: positions, attitudes by rotations about fixed axes, modal coordinates.
@@ -179,7 +175,7 @@ class Linearisation {
 
   // The velocity at which the rows that hold stay closed and which is nearest, weighted with the masses.
   bool project_velocity(State& state) {
-    workspace_.data().kept.valid = false;
+    get_data(workspace_).kept.valid = false;
     load_state(plan_, state, ev());
     update_kinematics(plan_, ev());
     return apply_impulse(plan_, Source::kNothing, state, ev()) == kNone;
@@ -231,7 +227,7 @@ class Linearisation {
     }
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       const ModalWork work = get_work(plan_.flexible[i], ev());
-      for (int k = 0; k < plan_.flexible[i].modes; ++k) a[layout_.modal(i) + k] = work.acceleration[k];
+      for (int k = 0; k < plan_.flexible[i].modes; ++k) a[layout_.modal(i) + k] = work.acceleration[at(k)];
     }
     return a;
   }
@@ -249,13 +245,9 @@ class Linearisation {
     const auto marker = std::ranges::find(plan_.markers, body, &PlanMarker::body);
     const PlanFlexible& own = plan_.flexible[at(marker->flexible)];
     const MarkerWork work = get_marker(own, static_cast<int>(marker - plan_.markers.begin()) - own.first_marker, ev());
-    const Vec3 arm{work.arm[0], work.arm[1], work.arm[2]};
-    add_coefficients(own.body, lin, ang + cross(arm, lin), row);
-    for (int k = 0; k < own.modes; ++k) {
-      const double* turn = work.columns[k];
-      row[layout_.modal(at(marker->flexible)) + k] +=
-          dot(lin, Vec3{turn[0], turn[1], turn[2]}) + dot(ang, Vec3{turn[3], turn[4], turn[5]});
-    }
+    add_coefficients(own.body, lin, ang + cross(*work.arm, lin), row);
+    for (int k = 0; k < own.modes; ++k)
+      row[layout_.modal(at(marker->flexible)) + k] += dot(Spatial{lin, ang}, work.columns[at(k)]);
   }
 
   // Coefficients of a coordinate's speed in the velocities, at the evaluation of the latest update().
@@ -425,10 +417,11 @@ class Linearisation {
       for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
         if (layout_.first(b) == kNone) continue;
         const Eigen::Vector3d w = velocity_.segment<3>(layout_.first(b) + 3);
-        carried.segment<3>(layout_.first(b) + 3) = -w.cross(Eigen::Vector3d(direction.segment<3>(layout_.first(b) + 3)));
+        carried.segment<3>(layout_.first(b) + 3) =
+            -w.cross(Eigen::Vector3d(direction.segment<3>(layout_.first(b) + 3)));
       }
-      const VectorXd sum =
-          differentiate_speeds(velocity_, direction) + along(direction, 0, carried) - differentiate_speeds(direction, velocity_);
+      const VectorXd sum = differentiate_speeds(velocity_, direction) + along(direction, 0, carried) -
+                           differentiate_speeds(direction, velocity_);
       for (const Index row : turning) out(row, k) = sum[row];
     }
     return out;
@@ -485,7 +478,7 @@ class Linearisation {
     const std::optional<Sample> a = take(width), b = take(-width), c = take(0.5 * width), d = take(-0.5 * width);
     if (!a || !b || !c || !d) return std::nullopt;
     Difference out{};
-    const auto extrapolate = [&](VectorXd Sample::* part) {
+    const auto extrapolate = [&](VectorXd Sample::*part) {
       const VectorXd wide = (*a.*part - *b.*part) / (2 * width), narrow = (*c.*part - *d.*part) / width;
       out.value.*part = (4 * narrow - wide) / 3;
       out.error.*part = (narrow - wide).cwiseAbs();

@@ -8,8 +8,8 @@
 namespace unlatch {
 namespace {
 
-// Beginning and end of the step; before and after of each instant, of which a step has its splits and its beginning,
-// and of the parts into which closed contacts cut it.
+// Number of knots: beginning and end of the step, and two for each instant between; these are its splits, its
+// beginning, and the ends of the parts into which closed contacts cut it.
 std::size_t count_knots(const PlanData& plan) {
   const std::size_t parts = plan.contacts.empty()                         ? 1
                             : plan.contact_substeps == kAutomaticSubsteps ? at(kMaxAutomaticSubsteps)
@@ -18,7 +18,7 @@ std::size_t count_knots(const PlanData& plan) {
 }
 
 std::size_t count_numbers(const Plan& owner) {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   return plan.bodies.size() * (sizeof(Spatial) / sizeof(double)) + plan.joints.size() * kRows +
          owner.get_sensor_count() + at(plan.quantity_count);
 }
@@ -26,15 +26,15 @@ std::size_t count_numbers(const Plan& owner) {
 }  // namespace
 
 std::size_t MotionLog::get_bytes(const Plan& plan) noexcept {
-  return count_knots(plan.data()) *
+  return count_knots(get_data(plan)) *
          (sizeof(MotionKnot) + plan.get_state_bytes() + count_numbers(plan) * sizeof(double));
 }
 
-MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : capacity_(count_knots(plan.data())) {
+MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : capacity_(count_knots(get_data(plan))) {
   std::byte* cursor = memory.data();
   knots_ = reinterpret_cast<MotionKnot*>(cursor);
   cursor += capacity_ * sizeof(MotionKnot);
-  const std::size_t bodies = plan.data().bodies.size(), rows = plan.data().joints.size() * kRows;
+  const std::size_t bodies = get_data(plan).bodies.size(), rows = get_data(plan).joints.size() * kRows;
   for (std::size_t i = 0; i < capacity_; ++i) {
     MotionKnot& knot = *new (knots_ + i) MotionKnot;
     knot.state = State(plan, {cursor, plan.get_state_bytes()});
@@ -45,7 +45,7 @@ MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : c
     cursor += rows * sizeof(double);
     knot.sensors = {reinterpret_cast<double*>(cursor), plan.get_sensor_count()};
     cursor += plan.get_sensor_count() * sizeof(double);
-    knot.quantities = {reinterpret_cast<double*>(cursor), at(plan.data().quantity_count)};
+    knot.quantities = {reinterpret_cast<double*>(cursor), at(get_data(plan).quantity_count)};
     cursor += knot.quantities.size() * sizeof(double);
   }
 }

@@ -8,8 +8,8 @@
 namespace unlatch {
 
 std::vector<RedundantRows> list_redundant_rows(const Plan& owner, const State& state, const Workspace& workspace) {
-  const PlanData& plan = owner.data();
-  const Evaluation& ev = workspace.data().kept.evaluation;
+  const PlanData& plan = get_data(owner);
+  const Evaluation& ev = get_data(workspace).kept.evaluation;
   std::vector<std::int32_t> redundant(plan.meshes.size(), 0);
   for (std::size_t e = 0; e < plan.closures.size(); ++e)
     redundant[at(plan.loop_paths[at(plan.closures[e].loop)].mesh)] += ev.closures[e].count - ev.closures[e].rank;

@@ -26,7 +26,7 @@
 namespace unlatch {
 namespace {
 
-// The latest try holds.
+// Accepts the latest try: its motion becomes that of the state.
 void accept(Run& run) {
   store_substep(run.plan, run.ev(), run.state());
   rearm(run.plan, run.state(), run.ev());
@@ -36,10 +36,13 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// The state and the evaluation of this instant, sensors and quantities included, which nothing else of the step reads.
-void log_motion(Run& run, double now, bool begins) {
+// kPresent: sensors and quantities of this very evaluation are there.
+enum class Readings { kStale, kPresent };
+
+// Logs the state and the evaluation of this instant, with sensors and quantities, which only the log reads.
+void log_motion(Run& run, double now, bool begins, Readings readings) {
   if (run.log == nullptr) return;
-  update_readings(run.get_instant(now), run.ev());
+  if (readings == Readings::kStale) update_readings(run.get_instant(now), run.ev());
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
@@ -51,21 +54,22 @@ void log_motion(Run& run, double now, bool begins) {
   std::copy(run.ev().quantities.begin(), run.ev().quantities.end(), knot.quantities.begin());
 }
 
-// `tolerances`: of the events' guards. `begins`: of the knot before the events.
-bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins) {
-  log_motion(run, now, begins);
+// Executes events at `now`. `tolerances`: of the guards. `begins`: of the knot before the events.
+bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins,
+            Readings readings = Readings::kStale) {
+  log_motion(run, now, begins, readings);
   const auto count = [&] { return run.events().fired_count + run.events().change_count; };
   const std::int32_t acted = count();
   const StepStatus status = act(run, now, tolerances);
   if (status == StepStatus::kOk && count() != acted)
-    log_motion(run, now, true);
+    log_motion(run, now, true, Readings::kStale);
   else if (run.log != nullptr && !begins)
     run.log->remove();  // no event acted: the motion goes on smoothly
   return status == StepStatus::kOk ||
          run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ev(), run.node) : status);
 }
 
-// The end of the step; while a contact is closed, of the part of it that begins at `now`.
+// The end of the step; while a contact is closed, the end of the part of the step that begins at `now`.
 double calc_next_stop(const Run& run, double now, double end) {
   if (run.plan.contacts.empty()) return end;
   const int parts = count_contact_parts(run.plan, run.state(), now, run.ev());
@@ -77,8 +81,8 @@ double calc_next_stop(const Run& run, double now, double end) {
   return end;
 }
 
-// From `now` to the end of the step or of its present part, or to the first event before it. Returns the time that it
-// got to; the end of the step on failure.
+// Advances from `now` to the end of the step or of its present part, or to the first event before it. Returns the time
+// that is reached; on failure the end of the step.
 double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
@@ -92,19 +96,27 @@ double advance(Run& run, double now, double step_end, int& splits) {
     ++splits;
     act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact, false);
   } else if (reached.time < step_end) {
-    log_motion(run, reached.time, false);
-    log_motion(run, reached.time, true);
+    log_motion(run, reached.time, false, Readings::kStale);
+    log_motion(run, reached.time, true, Readings::kPresent);
   }
   return reached.time;
 }
 
-// Upper bound of the difference between a state that is handed in and the one that is kept.
+// What may differ between `state` and the kept one.
 Changed compare(const FinalEvaluation& kept, const State& state) {
   return kept.valid && has_same_modes(kept.state, state) ? Changed::kMotion : Changed::kState;
 }
 
+// The readings of the step's beginning are those that the last one ended with: what the new inputs change is no
+// reading.
+Readings get_first_readings(const Run& run, Changed changed) {
+  const bool are_kept = run.log != nullptr && changed == Changed::kCommands && !run.plan.commanded_loads &&
+                        !is_any_reading_commanded(run.plan);
+  return are_kept ? Readings::kPresent : Readings::kStale;
+}
+
 // The evaluation of the step's beginning with its inputs. If the kept one is of this state, only the commands are new,
-// and the plan knows what they can change.
+// and the plan says whether loads or events depend on them.
 bool begin_step(Run& run, const State& state, double begin, Changed changed) {
   const Instant now = run.get_instant(begin);
   if (changed == Changed::kCommands) {
@@ -141,8 +153,8 @@ StepReport finish(const Run& run) {
 }  // namespace
 
 StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace& workspace, MotionLog* log) noexcept {
-  const PlanData& plan = owner.data();
-  WorkspaceData& data = workspace.data();
+  const PlanData& plan = get_data(owner);
+  WorkspaceData& data = get_data(workspace);
   FinalEvaluation& kept = data.kept;
   const Changed changed = kept.is_of(state) ? Changed::kCommands : compare(kept, state);
   kept.valid = false;  // until this step has ended well
@@ -151,10 +163,10 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   const double begin = plan.get_time(state.header->tick), end = plan.get_time(state.header->tick + 1);
   run.events().fired_count = run.events().audit_count = run.events().change_count = 0;
 
-  // Events that the new inputs bring about, and those that the last step postponed, act at once.
+  // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state(), run.ev());
-  if (!act_at(run, begin, run.data.exact, true)) return finish(run);
+  if (!act_at(run, begin, run.data.exact, true, get_first_readings(run, changed))) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
@@ -166,21 +178,21 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
 
   run.report.redundant = run.ev().loop_redundant;
   ++run.state().header->tick;
-  log_motion(run, end, false);
+  log_motion(run, end, false, Readings::kPresent);
   copy(run.state(), state);
   kept.valid = true;
   return finish(run);
 }
 
 StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
-  const PlanData& plan = owner.data();
-  FinalEvaluation& kept = workspace.data().kept;
+  const PlanData& plan = get_data(owner);
+  FinalEvaluation& kept = get_data(workspace).kept;
   const Changed changed = compare(kept, state);
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
   const Instant now{plan, inputs, state, plan.get_time(state.header->tick)};
   if (evaluate(now, changed, ev) != kNone) return StepStatus::kSingular;
-  update_guards(now, ev, workspace.data().search.stack);
+  update_guards(now, ev, get_data(workspace).search.stack);
   update_readings(now, ev);
   copy(state, kept.state);
   kept.valid = true;

@@ -48,7 +48,7 @@ class Line {
   }
 
  private:
-  char text_[120]{};
+  char text_[256]{};
   std::size_t length_ = 0;
 };
 
@@ -118,7 +118,8 @@ bool fly(const Flight& flight) {
   (Line() << flight.name << " outputs ").add_hash(outputs.get()) << "\n";
   Line() << flight.name << " events " << events << "\n";
   Line() << "# " << flight.name << ": image " << std::uint64_t{image.size()} << " bytes, state "
-         << std::uint64_t{plan.get_state_bytes()} << ", workspace " << std::uint64_t{plan.get_workspace_bytes()} << "\n";
+         << std::uint64_t{plan.get_state_bytes()} << ", workspace " << std::uint64_t{plan.get_workspace_bytes()}
+         << "\n";
   if (most != 0)
     Line() << "# " << flight.name << ": instructions per step " << sum * kInstructionUnit / std::uint64_t(flight.ticks)
            << " on average, at most " << most * kInstructionUnit << "\n";

@@ -8,7 +8,7 @@ namespace unlatch {
 namespace {
 
 constexpr int kWidest = 8;
-// A parent with so many children of one kind gets groups of its own for them.
+// From this number of children of one kind on, a parent's children may have groups of their own.
 constexpr int kFewestSiblings = 4;
 
 BodyKind find_body_kind(const Model& model, const TreeNode& node) {
@@ -42,9 +42,9 @@ NodeKind find_kind(const Model& model, const std::vector<RowSet>& compliant, con
   return kind;
 }
 
-// A node on its way to its place.
+// A node that has no place in the new order yet.
 struct Candidate {
-  int node;    // as the topology numbered it
+  int node;    // its number in the topology
   int parent;  // in the new order
   int tree;    // number of its root
   std::uint64_t key;
@@ -63,7 +63,7 @@ class Grouping {
       if (parent != kNone) level_of[k] = level_of[at(parent)] + 1;
       tree_of_.push_back(parent == kNone ? trees_++ : tree_of_[at(parent)]);
     }
-    // The topology goes level by level, so each level is one stretch of it.
+    // The topology is ordered by levels, so that the nodes of each level follow one another.
     out_.nodes.reserve(old_.size());
     for (std::size_t begin = 0; begin < old_.size();) {
       std::size_t end = begin;
@@ -87,7 +87,7 @@ class Grouping {
         return x != y ? x < y : a.node < b.node;
       });
     };
-    // Ranks need children of one parent and kind together; the groups need equal kinds and ranks together.
+    // For the ranks, children of one parent and kind are sorted together; for the groups, equal kinds and ranks.
     sort([](const Candidate& c) { return std::pair(c.key, c.parent); });
     for (std::size_t i = 1; i < level.size(); ++i)
       if (level[i].key == level[i - 1].key && level[i].parent == level[i - 1].parent)
@@ -98,8 +98,8 @@ class Grouping {
     for (std::size_t i = 0; i < level.size();) i = place_kind(level, i);
   }
 
-  // Takes those children out of the level that are many enough, of one parent and kind, for groups of their own. Other
-  // trees do not count: a tree is summed in one order, whatever is computed beside it.
+  // Removes from the level the children of one parent and kind that are numerous enough for groups of their own. The
+  // decision depends on their own tree alone: a tree is summed in one order, whatever is computed beside it.
   std::vector<Candidate> take_siblings(std::vector<Candidate>& level) const {
     std::vector<Candidate> siblings, others;
     std::vector<std::size_t> of_kind(at(trees_), 0);  // per tree
@@ -131,7 +131,7 @@ class Grouping {
     while (end < siblings.size() && siblings[end].key == siblings[begin].key &&
            siblings[end].parent == siblings[begin].parent)
       ++end;
-    // From the leaves to the root the last group comes first, and is to be full: what is left over goes to the front.
+    // The backward pass begins with the last group, which must be full: the first group gets the remainder.
     const std::size_t over = (end - begin) % kWidest, first = over == 0 || end - begin < kWidest ? end - begin : over;
     for (std::size_t i = begin, count = std::min<std::size_t>(first, kWidest); i < end; i += count, count = kWidest) {
       NodeGroup& group = place_group(&siblings[i], count, ParentLink::kSiblings);
@@ -141,14 +141,14 @@ class Grouping {
     return end - begin;
   }
 
-  // Nodes of one kind: `count` of them from `first` on become a group.
+  // Nodes of one kind that become a group: `count` of them from `first` on.
   struct Chunk {
     std::size_t first, count;
     ParentLink link;
   };
 
-  // The groups of one kind; returns where it ends. From the leaves to the root the last group comes first: so that a
-  // parent's children add to it by rising rank, within a group and from group to group, the first ranks go to the back.
+  // Places the groups of one kind; returns where it ends. The backward pass begins with the last group, but a parent's
+  // children are to be added by rising rank, from group to group too: so the chunks are placed in reverse order.
   std::size_t place_kind(const std::vector<Candidate>& level, std::size_t begin) {
     std::size_t end = begin;
     while (end < level.size() && level[end].key == level[begin].key) ++end;
@@ -158,7 +158,7 @@ class Grouping {
     return end;
   }
 
-  // The next group of a kind that ends at `end`: neighbours of the parents' lanes if that makes a good part of a group.
+  // The next group of a kind that ends at `end`: lane for lane beside the parents if these are most of a group.
   Chunk find_chunk(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
     const std::size_t kin = std::min(end, begin + kWidest), count = kin - begin;
     if (level[begin].parent == kNone) return {begin, count, ParentLink::kRoot};
@@ -167,8 +167,8 @@ class Grouping {
     return {begin, count, ParentLink::kGather};
   }
 
-  // Number of nodes from `begin` on whose parents are neighbouring lanes of one group, with room for empty lanes behind
-  // them. Those lie beside parents that are no parents of theirs, and give them nothing.
+  // Number of nodes from `begin` on whose parents are the first lanes of one group, in the same order; 0 unless their
+  // group is as wide as the parents'. Its empty lanes, beside parents of no lane, add zero to these.
   std::size_t count_neighbours(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
     const GroupLane first = out_.lanes[at(level[begin].parent)];
     const int width = out_.groups[at(first.group)].get_width();
@@ -210,7 +210,7 @@ class Grouping {
   const Model& model_;
   const std::vector<TreeNode>& old_;
   const std::vector<RowSet>& compliant_;
-  std::vector<int> placed_;   // per node, as the topology numbered it: its new number
+  std::vector<int> placed_;   // per node of the topology: its new number
   std::vector<int> tree_of_;  // likewise: number of its root
   int trees_ = 0;
   GroupedNodes out_;

@@ -76,7 +76,7 @@ std::int32_t count_clusters(const PlanData& plan) {
 }  // namespace
 
 LoopCost calc_loop_cost(const Plan& owner) {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   return {count_clusters(plan), kOfTreeBody * static_cast<std::int64_t>(plan.nodes.size()),
           plan.closures.empty() ? count_dense(plan) : count_local(plan)};
 }

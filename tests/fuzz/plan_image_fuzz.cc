@@ -13,10 +13,10 @@ namespace {
 class Aligned {
  public:
   explicit Aligned(std::span<const std::uint8_t> bytes) : size_(bytes.size()) {
-    memory_ = static_cast<std::byte*>(::operator new(size_, std::align_val_t{kImageAlignment}));
+    memory_ = static_cast<std::byte*>(::operator new (size_, std::align_val_t{kImageAlignment}));
     if (size_ > 0) std::memcpy(memory_, bytes.data(), size_);
   }
-  ~Aligned() { ::operator delete(memory_, std::align_val_t{kImageAlignment}); }
+  ~Aligned() { ::operator delete (memory_, std::align_val_t{kImageAlignment}); }
   Aligned(const Aligned&) = delete;
   Aligned& operator=(const Aligned&) = delete;
   [[nodiscard]] std::span<std::byte> get() const { return {memory_, size_}; }
@@ -32,11 +32,12 @@ void open(std::span<const std::byte> image) {
   fuzz::require(opened.plan.has_value() == (opened.status == ImageStatus::kOk), "a plan and its status disagree");
   fuzz::require(get_status_text(opened.status)[0] != 0, "a status without text");
   if (!opened.plan) return;
-  PlanLists<FixedList> lists = opened.plan->data();
+  PlanLists<FixedList> lists = get_data(*opened.plan);
   for_each_list(
       [&](const auto& list) {
         const std::span<const std::byte> bytes = std::as_bytes(list);
-        fuzz::require(bytes.empty() || (bytes.data() >= image.data() && bytes.data() + bytes.size() <= image.data() + image.size()),
+        fuzz::require(bytes.empty() ||
+                          (bytes.data() >= image.data() && bytes.data() + bytes.size() <= image.data() + image.size()),
                       "a list outside of its image");
       },
       lists);

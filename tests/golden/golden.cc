@@ -1,7 +1,7 @@
 // The golden program of the kernel: needs nothing but kernel/ and Eigen, so that it runs on every platform of the
 // kernel. golden [--lanes NAME | --list-lanes]: prints the hashes of tests/data/golden.json; tools/determinism compares
-// them over compilers and processors. golden --images FOLDER: writes the models' plan images for targets without operating
-// system (tools/targets), and prints a line NAME TICKS for each.
+// them over compilers and processors. golden --images FOLDER: writes the models' plan images for targets without
+// operating system (tools/targets), and prints a line NAME TICKS for each.
 #include <fstream>
 
 #include "tests/golden/golden_distances.h"

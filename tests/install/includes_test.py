@@ -109,6 +109,11 @@ class IncludesTest(unittest.TestCase):
         for path, ours, _ in list_includes("library"):
             self.assertNotEqual(ours.split("/")[0], "bridge", f"{path} includes {ours}")
 
+    def test_nothing_below_the_step_includes_its_header(self):
+        for path, ours, _ in list_includes("kernel"):
+            if ours == "unlatch/step.h":
+                self.assertGreaterEqual(KERNEL.index(find_layer(path, KERNEL)), KERNEL.index("step"), f"{path} includes {ours}")
+
     def test_the_kernel_includes_nothing_but_eigen_and_the_standard_library(self):
         standard = re.compile(r"[a-z_]+")  # <vector>: no folder, no ending
         for path, ours, foreign in list_includes("kernel"):

@@ -91,7 +91,7 @@ Parts list_parts(const Logged& run, const StepReport& report) {
   parts.emplace_back("sensors", get_numbers(workspace.sensors));
   std::vector<double> readings;
   for (int e = 0; e < static_cast<int>(run.simulation.state.elements.size()); ++e) {
-    const ElementReading r = calc_element(run.simulation.plan, run.simulation.state, workspace, e);
+    const ElementReading r = calc_element(run.simulation.plan, workspace, e);
     readings.insert(readings.end(), {r.force, r.length, r.rate, r.scale, r.stroke, r.wound, r.on_drum});
   }
   parts.emplace_back("readings of elements", get_numbers(readings));

@@ -254,7 +254,7 @@ TEST(Cords, AMassUnwindsFromAPoleAndIsCountedOverTurns) {
     const double start = calc_start(model, model.one_sided[0]);
     EXPECT_NEAR(start, 0.25 * 20 + 0.3, 1e-12);
     run(s, model, 60000);  // 6 s
-    const OneSidedReading now = calc_one_sided(s.plan, s.state, s.workspace, 0);
+    const OneSidedReading now = calc_one_sided(s.plan, s.workspace, 0);
     const double straight = std::sqrt(0.3 * 0.3 + 2 * 0.25 * 2 * 6), wound = (start - straight) / 0.25;
     EXPECT_GT(20 - wound, 2 * M_PI) << "more than a turn has come off";
     EXPECT_GT(wound, 4 * M_PI - 6);
@@ -272,7 +272,7 @@ TEST(Cords, AMassWindsUpOnAPole) {
   const Model model = build_pole(16e5, 1, 2, 2);
   Simulation s(model, {.dt = 1e-4});
   run(s, model, 30000);  // 3 s: s² = 4 − 2 · 0.25 · 2 · 3
-  const OneSidedReading now = calc_one_sided(s.plan, s.state, s.workspace, 0);
+  const OneSidedReading now = calc_one_sided(s.plan, s.workspace, 0);
   EXPECT_NEAR(now.wound, 1 + (2 - 1) / 0.25, 2e-3);
   EXPECT_NEAR(norm(s.state.bodies[0].v), 2, 1e-3);
 }
@@ -374,7 +374,7 @@ TEST(Cords, MomentumAndEnergyAreKeptToTheIntegrator) {
       momentum[finer] = std::max(momentum[finer], norm(now.angular_momentum - start.angular_momentum));
       energy[finer] = std::max(energy[finer], std::abs(flow.kinetic + flow.strain - before.kinetic - before.strain));
       least = std::min(least, s.state.bearings[0]);
-      if (s.state.bearings[0] < 0) wound = std::max(wound, calc_one_sided(s.plan, s.state, s.workspace, 0).wound);
+      if (s.state.bearings[0] < 0) wound = std::max(wound, calc_one_sided(s.plan, s.workspace, 0).wound);
     }
     EXPECT_LT(momentum[finer], 2e-11 * start.angular_momentum.z);
     EXPECT_LT(energy[finer], 1e-7 * before.kinetic);
@@ -415,7 +415,7 @@ TEST(Cords, HeldMassesMakeNoEvents) {
   }
   Simulation s(model);
   EXPECT_TRUE(run(s, model, 500).empty());
-  EXPECT_NEAR(calc_one_sided(s.plan, s.state, s.workspace, 0).force, 2e4 * 0.001 * kRadius, 1e-6);
+  EXPECT_NEAR(calc_one_sided(s.plan, s.workspace, 0).force, 2e4 * 0.001 * kRadius, 1e-6);
 }
 
 // --- Mistakes --------------------------------------------------------------------------------------------------------

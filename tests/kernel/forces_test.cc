@@ -274,7 +274,7 @@ TEST(Forces, APlaneTorsionWhoseAxisStandsOnThePlaneHasAQuarterOfATurnAndItsEnerg
     EXPECT_FALSE(start.acts);
     EXPECT_EQ(start.size, 0);
     EXPECT_DOUBLE_EQ(start.angle, side * M_PI_2);
-    EXPECT_DOUBLE_EQ(calc_element(s.plan, s.state, s.workspace, 0).length, side * M_PI_2);
+    EXPECT_DOUBLE_EQ(calc_element(s.plan, s.workspace, 0).length, side * M_PI_2);
     EXPECT_DOUBLE_EQ(calc_energy_flow(s.plan, s.state, s.workspace, {0, 0, 0}).strain, 0.5 * 4 * M_PI_2 * M_PI_2);
   }
 }
@@ -301,7 +301,7 @@ TEST(Forces, CoordinatesAtTheStartAreThoseOfTheFirstEvaluation) {
   for (int row = 0; row < kRows; ++row) {
     const double coordinate = calc_start(model, joint, row);
     EXPECT_GT(std::abs(coordinate), 1e-3) << row;  // a test of zeros would show nothing
-    EXPECT_NEAR(coordinate, calc_element(s.plan, s.state, s.workspace, row).length, kRounding) << row;
+    EXPECT_NEAR(coordinate, calc_element(s.plan, s.workspace, row).length, kRounding) << row;
   }
 }
 
@@ -351,7 +351,7 @@ TEST(Forces, ElementsAtTheStartHaveTheForcesAndTheEnergyOfTheFirstEvaluation) {
   double energy = 0;
   for (int i = 0; i < model.element_count(); ++i) {
     const ElementStart start = calc_element_start(model, i);
-    const ElementReading first = calc_element(s.plan, s.state, s.workspace, i);
+    const ElementReading first = calc_element(s.plan, s.workspace, i);
     ASSERT_NE(start.kind, nullptr) << model.element_name(i);
     EXPECT_GT(std::abs(start.force), 1e-3) << model.element_name(i);  // a test of zeros would show nothing
     EXPECT_GT(start.energy, 1e-3) << model.element_name(i);

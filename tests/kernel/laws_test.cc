@@ -12,6 +12,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/bundle.h"
 #include "unlatch/quantities.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::test {
 namespace {
@@ -84,7 +85,7 @@ struct Lookup {
   }
   double operator()(const std::vector<double>& at) {
     exit = {};
-    const PlanLaws& laws = plan->data().laws;
+    const PlanLaws& laws = get_data(*plan).laws;
     return calc_table(laws, laws.tables[0], at.data(), exit);
   }
   Model model;

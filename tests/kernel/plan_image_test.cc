@@ -1,9 +1,10 @@
 // Plan images: used wherever they lie, and refused when anything about them is wrong.
+#include "kernel/plan/plan_image.h"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "kernel/plan/plan_image.h"
 #include "tests/golden/golden_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random.h"

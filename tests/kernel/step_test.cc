@@ -58,7 +58,7 @@ TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
     PlanOptions options;
     options.dt = golden.dt;
     Simulation clean(golden.model, options), dirty(golden.model, options);
-    std::byte* const first = reinterpret_cast<std::byte*>(&dirty.workspace.data());
+    std::byte* const first = reinterpret_cast<std::byte*>(&get_data(dirty.workspace));
     const std::size_t bytes = dirty.plan.get_workspace_bytes();
     for (int i = 0; i < golden.ticks; ++i) {
       std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
@@ -86,7 +86,7 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
     Simulation clean(golden.model, options), poisoned(golden.model, options);
     const PlanData& plan = poisoned.data();
     Evaluation& ev = poisoned.evaluation();
-    const EventSearch& search = poisoned.workspace.data().search;
+    const EventSearch& search = get_data(poisoned.workspace).search;
     for (int i = 0; i < golden.ticks; ++i) {
       for (const std::span<double> numbers :
            {search.guards_low, search.guards_high, search.guards_middle, search.rates_low, search.rates_high,
@@ -103,7 +103,7 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
       for (CompliantSpring& spring : ev.compliant) spring = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
       ASSERT_EQ(clean.advance().status, StepStatus::kOk);
       ASSERT_EQ(poisoned.advance().status, StepStatus::kOk);
-      ASSERT_TRUE(poisoned.workspace.data().kept.is_of(poisoned.state)) << "tick " << i;
+      ASSERT_TRUE(get_data(poisoned.workspace).kept.is_of(poisoned.state)) << "tick " << i;
       ASSERT_EQ(calc_hash(clean.state), calc_hash(poisoned.state)) << "tick " << i;
       ASSERT_TRUE(are_equal(clean.workspace.multipliers, poisoned.workspace.multipliers)) << "tick " << i;
     }
@@ -144,7 +144,7 @@ TEST(Step, AChangedStateCounts) {
   Simulation changed(build_boosters()), fresh(build_boosters());
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
   for (Simulation* s : {&changed, &fresh}) s->state.bodies[2].w.x += 1e-12;
-  fresh.workspace.data().kept.valid = false;
+  get_data(fresh.workspace).kept.valid = false;
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
   EXPECT_EQ(calc_hash(changed.state), calc_hash(fresh.state));
   Simulation same(build_boosters());
@@ -168,7 +168,7 @@ TEST(Step, EventsNextToATickEndTheStepAtTheTick) {
       const StepReport report = follows.advance();
       ASSERT_EQ(report.status, StepStatus::kOk);
       if (follows.state.header->tick >= tick - 1) events += static_cast<int>(report.events.size());
-      anew.workspace.data().kept.valid = false;
+      get_data(anew.workspace).kept.valid = false;
       ASSERT_EQ(anew.advance().status, StepStatus::kOk);
       ASSERT_EQ(calc_hash(follows.state), calc_hash(anew.state)) << ulps << " at " << follows.state.header->tick;
     }

@@ -49,9 +49,9 @@ class Simulation {
   double get_time() const { return static_cast<double>(state.header->tick) * plan.get_options().dt; }
 
   // Access to the kernel's internals, for tests of its parts.
-  const PlanData& data() const { return plan.data(); }
+  const PlanData& data() const { return get_data(plan); }
   std::vector<std::int32_t> list_loops() const { return {data().loops.begin(), data().loops.end()}; }
-  Evaluation& evaluation() const { return workspace.data().kept.evaluation; }
+  Evaluation& evaluation() const { return get_data(workspace).kept.evaluation; }
 
   Plan plan;
   std::vector<double> commands;

@@ -151,9 +151,8 @@ void FrameRecorder::take_one_sided(float* to) const {
   const Model& model = scenario_.model;
   const int first = hil::get_first_one_sided(model);
   for (int i = 0; i < static_cast<int>(model.one_sided.size()); ++i) {
-    const ElementReading force =
-        calc_element(simulation_.plan(), simulation_.state(), simulation_.workspace(), first + i);
-    const double bearing = calc_one_sided(simulation_.plan(), simulation_.state(), simulation_.workspace(), i).bearing;
+    const ElementReading force = calc_element(simulation_.plan(), simulation_.workspace(), first + i);
+    const double bearing = calc_one_sided(simulation_.plan(), simulation_.workspace(), i).bearing;
     for (const double value : {force.force, force.length, force.scale, force.stroke, bearing, force.wound})
       *to++ = static_cast<float>(value);
   }

@@ -13,8 +13,7 @@ namespace {
 
 // Force or torque of friction per speed, N s/m or N m s/rad.
 double calc_resistance(const Simulation& simulation, std::size_t number, const OneSided& force) {
-  const OneSidedReading reading =
-      calc_one_sided(simulation.plan(), simulation.state(), simulation.workspace(), static_cast<int>(number));
+  const OneSidedReading reading = calc_one_sided(simulation.plan(), simulation.workspace(), static_cast<int>(number));
   if (!(reading.force > 0)) return 0;
   return reading.scale * force.friction / std::hypot(reading.depth_rate, force.friction_speed);
 }
@@ -29,7 +28,7 @@ double calc_resistance(const Simulation& simulation, int element, const JointFri
     const double lambda = simulation.workspace().multipliers.get(at(friction.joint), row);
     square += lambda * lambda;
   }
-  const ElementReading reading = calc_element(simulation.plan(), simulation.state(), simulation.workspace(), element);
+  const ElementReading reading = calc_element(simulation.plan(), simulation.workspace(), element);
   const double arm = friction.axis >= kRotX ? friction.radius : 1;
   return reading.scale * friction.coefficient * arm * arm * std::sqrt(square) /
          std::hypot(arm * reading.rate, friction.speed);

@@ -237,8 +237,7 @@ void NoticeWatch::watch_directions() {
     const double length =
         norm(calc_point(force.follower, force.point_follower) - calc_point(force.base, force.point_base));
     if (length > kCoincident) continue;
-    const OneSidedReading reading =
-        calc_one_sided(simulation_.plan(), simulation_.state(), simulation_.workspace(), static_cast<int>(i));
+    const OneSidedReading reading = calc_one_sided(simulation_.plan(), simulation_.workspace(), static_cast<int>(i));
     if (reading.scale == 0) continue;
     pointless_sided_[i] = true;
     add("direction", force.name,

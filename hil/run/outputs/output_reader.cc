@@ -145,8 +145,7 @@ void OutputReader::read_joint(const Output& output, std::span<double> to) const 
 }
 
 void OutputReader::read_element(const Output& output, std::span<double> to) const {
-  const ElementReading reading =
-      calc_element(simulation_.plan(), simulation_.state(), simulation_.workspace(), output.subject);
+  const ElementReading reading = calc_element(simulation_.plan(), simulation_.workspace(), output.subject);
   switch (output.kind) {
     case Kind::kElementForce:
       to[0] = reading.force;

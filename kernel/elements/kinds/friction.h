@@ -21,14 +21,14 @@ inline constexpr int kFrictionSweeps = 4;
 bool has_friction(const Instant& now) noexcept;
 
 // ev.friction_sizes, the force or torque on the follower along its axis: of no reaction, and of the present
-// multipliers. Needs coordinates' speeds.
+// multipliers and speeds.
 void clear_friction(Evaluation& ev) noexcept;
 void update_friction(const Instant& now, Evaluation& ev) noexcept;
 
 struct FrictionKind {
   static auto& of(auto& model) { return model.frictions; }
   static auto& of_plan(auto& plan) { return plan.frictions; }
-  static constexpr bool kHasFriction = true;  // its size depends on a rate by Coulomb\'s law
+  static constexpr bool kHasFriction = true;  // its size depends on a rate by Coulomb's law
 
   static void list_numbers(const JointFriction& f, const auto& add) {
     add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on);

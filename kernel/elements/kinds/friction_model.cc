@@ -10,10 +10,10 @@ void FrictionKind::validate(const JointFriction& f, const Check& check) {
   if (!check.check_joint_axis(f.joint, f.axis)) return;
   if (f.axis >= kRotX) check.check_positive("radius", f.radius);
   const Joint& joint = check.model.joints[static_cast<std::size_t>(f.joint)];
-  const bool rubs = std::any_of(joint.modes.begin(), joint.modes.end(), [&](const JointMode& mode) {
+  const bool holds = std::any_of(joint.modes.begin(), joint.modes.end(), [&](const JointMode& mode) {
     return !has_row(mode.rows, f.axis) && (mode.rows & kPointRows) != 0;
   });
-  if (!rubs)
+  if (!holds)
     check.report("no mode of joint '" + joint.name + "' leaves " + kRowNames[f.axis] + " free and holds a point",
                  "an axis along which or about which the joint moves", "axis");
 }

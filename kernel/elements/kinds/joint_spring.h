@@ -12,7 +12,7 @@ namespace unlatch {
 struct JointSpringKind {
   static auto& of(auto& model) { return model.joint_springs; }
   static auto& of_plan(auto& plan) { return plan.joint_springs; }
-  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb\'s law
+  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb's law
 
   static void list_numbers(const JointSpring& s, const auto& add) {
     add(s.joint, s.axis, s.effort, s.stiffness, s.damping, s.rest, s.on);

@@ -58,9 +58,9 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
 
 double calc_load_size(const Plan& owner, const Inputs& inputs, const State& state, const Workspace& workspace,
                       int load) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   const PlanLoad& own = plan.loads[at(load)];
-  if (own.law != kNone) return workspace.data().kept.evaluation.load_sizes[at(load)];
+  if (own.law != kNone) return get_data(workspace).kept.evaluation.load_sizes[at(load)];
   return calc_size(own, state.elements[at(own.element)], inputs, plan.get_time(state.header->tick),
                    [&](int profile, double s) { return calc_profile(plan, plan.profiles[at(profile)], s); });
 }

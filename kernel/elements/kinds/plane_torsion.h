@@ -12,7 +12,7 @@ namespace unlatch {
 struct PlaneTorsionKind {
   static auto& of(auto& model) { return model.plane_torsions; }
   static auto& of_plan(auto& plan) { return plan.plane_torsions; }
-  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb\'s law
+  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb's law
 
   static void list_numbers(const PlaneTorsion& s, const auto& add) {
     add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);

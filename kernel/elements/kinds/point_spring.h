@@ -11,7 +11,7 @@ namespace unlatch {
 struct PointSpringKind {
   static auto& of(auto& model) { return model.point_springs; }
   static auto& of_plan(auto& plan) { return plan.point_springs; }
-  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb\'s law
+  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb's law
 
   static void list_numbers(const PointSpring& s, const auto& add) {
     add(s.base, s.follower, s.point_base, s.point_follower, s.stiffness, s.damping, s.free_length, s.push_only, s.on);
@@ -32,10 +32,10 @@ struct PointSpringKind {
   static PointSpringForce calc_force(const PlanPointSpring& spring, const BodyFrame& base, const BodyFrame& follower,
                                      double scale) noexcept {
     PointSpringForce f{base.R * spring.point_base, follower.R * spring.point_follower};
-    const Vec3 line = (follower.p + f.r_follower) - (base.p + f.r_base);
-    f.length = norm(line);
+    const PointLine line = calc_line((follower.p + f.r_follower) - (base.p + f.r_base));
+    f.length = line.length;
     if (f.length == 0) return f;
-    f.direction = (1.0 / f.length) * line;
+    f.direction = line.direction;
     if (spring.push_only && f.length >= spring.free_length) return f;
     f.rate = dot(f.direction, (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base)));
     f.size = -(spring.stiffness * (f.length - spring.free_length) + spring.damping * f.rate) * scale;

@@ -1,6 +1,6 @@
 // Bundle: runs of one kind of system stepped side by side, for campaigns. Their bodies share the lanes of the
 // processor's packs, and each run has the bits that step() gives it alone: its own modes, events and sub-steps. A run
-// in whose step something happens (an event, a closed contact) takes that step alone and comes back.
+// takes a step alone in which it has an event or a closed contact.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,11 @@
 #include <span>
 
 #include "unlatch/model.h"
-#include "unlatch/step.h"
+#include "unlatch/motion.h"
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+#include "unlatch/step_data.h"
+#include "unlatch/workspace.h"
 
 namespace unlatch {
 
@@ -23,7 +27,7 @@ struct BundleRun {
   Workspace* workspace = nullptr;  // its own; afterwards with the outputs of the new state, as step() leaves them, and
                                    // what calc_element() and calc_one_sided() read
   MotionLog* log = nullptr;        // as for step()
-  bool goes_on = true;             // false: it has ended, and nothing happens to it
+  bool goes_on = true;             // false: it has ended, and is not stepped
   StepReport report{};             // of the step
 };
 
@@ -32,8 +36,8 @@ class Bundle {
  public:
   static constexpr std::size_t kMost = 8;  // runs side by side
 
-  // `models` with their plans, all compiled with the same options; each plan must outlive the bundle. Nothing where
-  // nobody gains by it, or where it cannot be: fewer than two models or more than kMost, closed loops, flexible bodies,
+  // `models` with their plans, all compiled with the same options; each plan must outlive the bundle. Empty where a
+  // bundle saves nothing or cannot be: fewer than two models or more than kMost, closed loops, flexible bodies,
   // different gravity or environment. Allocates.
   static std::optional<Bundle> build(std::span<const Model* const> models, std::span<const Plan* const> plans);
   Bundle(Bundle&&) noexcept;

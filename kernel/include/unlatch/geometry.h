@@ -32,14 +32,14 @@ std::vector<ShapeError> check_shape(const Shape& shape);
 struct ShapeNumbers {
   ShapeKind kind = ShapeKind::kSphere;  // cylinder and cone have become frustums
   Vec3 p_BS{0, 0, 0};                   // m, centre of its axes in the body
-  Mat3 R_BS = kIdentity3;           // its axes in the body; z along the axis or the normal, x to the middle of a half
-  double half_length = 0;           // m, along z
-  double r0 = 0, r1 = 0;            // m, radius at −z and +z end; of spheres and capsules r0
-  double slope_r = 0, slope_z = 1;  // direction of a frustum's generator in the meridian plane, unit length
-  double generator = 0;             // m, its length
-  Vec3 half_size{0, 0, 0};          // m, of a box
-  bool half = false;                // of a hollow shape
-  double bound = 0;                 // m, radius of the bounding sphere about p_BS; infinite for a half-space
+  Mat3 R_BS = kIdentity3;             // its axes in the body; z along the axis or the normal, x to the middle of a half
+  double half_length = 0;             // m, along z
+  double r0 = 0, r1 = 0;              // m, radius at −z and +z end; of spheres and capsules r0
+  double slope_r = 0, slope_z = 1;    // direction of a frustum's generator in the meridian plane, unit length
+  double generator = 0;               // m, its length
+  Vec3 half_size{0, 0, 0};            // m, of a box
+  bool half = false;                  // of a hollow shape
+  double bound = 0;                   // m, radius of the bounding sphere about p_BS; infinite for a half-space
   std::int32_t first = 0, count = 0;  // of its points in a plan's list
 };
 

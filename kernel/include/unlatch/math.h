@@ -141,8 +141,10 @@ template <class T>
 // The inverse rotation.
 [[gnu::always_inline]] constexpr Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
 // q / |q|.
-[[gnu::always_inline]] inline Quat normalized(const Quat& q) {
-  const double s = 1.0 / std::sqrt(norm_squared(q));
+template <class T>
+[[gnu::always_inline]] inline QuatT<T> normalized(const QuatT<T>& q) {
+  using std::sqrt;
+  const T s = T(1) / sqrt(norm_squared(q));
   return {q.w * s, q.x * s, q.y * s, q.z * s};
 }
 // dq/dt of a body that turns with w, given in its own axes: ½ q ⊗ (0, w).

@@ -1,5 +1,6 @@
 // Model: the physics as the user described it. Plain data, filled by a loader or by hand, checked by validate() and
-// never changed after a Plan was compiled from it. SI units and radians throughout; W is the inertial frame.
+// never changed after a Plan was compiled from it. SI units and radians throughout; W is the inertial frame. One long
+// file, because it is what a user reads: the whole vocabulary in the order of a description.
 //
 // References (4.x) are equations of Anshakov et al., "Dynamic processes in rocket-space systems", 2003, as corrected in
 // kernel/README.md.
@@ -14,14 +15,15 @@
 #include <vector>
 
 #include "unlatch/environment.h"
+#include "unlatch/events.h"
 #include "unlatch/law.h"
 #include "unlatch/quantity.h"
 #include "unlatch/shapes.h"
 
 namespace unlatch {
 
-inline constexpr int kGround = -1;  // "body" index of the inertial frame
-inline constexpr int kNone = -1;    // "no channel", "no element", …
+inline constexpr int kGround = -1;  // index of the inertial frame among bodies
+inline constexpr int kNone = -1;    // index of nothing: no channel, no element, …
 
 // Unaligned, so that the model has one layout whether or not the user's own Eigen vectorises.
 using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
@@ -72,9 +74,9 @@ struct Body {
   Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();     // initial velocity of the centre of mass, inertial axes, m/s
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();   // initial angular velocity, body axes, rad/s
   // At most one of these.
-  std::optional<MassLaw> law;  // then mass and inertia are those at the start, and the body's origin is its structure's
-  std::optional<FlexibleBody> flexible;  // then mass and inertia are the undeformed ones
-  std::optional<Marker> marker;          // then nothing above counts: it moves with its flexible body
+  std::optional<MassLaw> law;  // mass and inertia are then those at the start, the origin that of its structure
+  std::optional<FlexibleBody> flexible;  // mass and inertia are then the undeformed ones
+  std::optional<Marker> marker;          // nothing above is then read: it moves with its flexible body
 };
 
 // --- Joints ---------------------------------------------------------------------------------------------------------
@@ -99,8 +101,8 @@ struct JointMode {
   RowSet rows = 0;   // active rows
 };
 
-// A joint between two bodies, or between the ground and a body. Which rows hold is its mode; a mode without rows is
-// free. A joint none of whose modes has rows constrains nothing and serves to measure, or to carry springs.
+// A joint between two bodies, or between the ground and a body. Its mode is the set of rows that hold; without rows it
+// is free. A joint none of whose modes has rows constrains nothing: it serves to measure, or to carry springs.
 struct Joint {
   std::string name;                                          // unique among joints
   int base = kGround;                                        // body i of (4.11): carries the joint frame
@@ -197,10 +199,10 @@ struct PlaneTorsion {
   bool on = true;                                            // at the start
 };
 
-// Cylinder of the base on which a cord between two points is wound, without friction and as thin as a thread. x is the
-// length of the cord's whole path from its anchor on the cylinder to the follower's point: the arc and the tangent, out
-// of the anchor's plane the helix and its tangent; once unwound, the straight line, which winds up the other way if it
-// swings on (unlatch/cords.h). The force is along the straight part. The cylinder's length has no end.
+// Cylinder of the base, without ends, on which a cord between two points is wound, without friction and as thin as a
+// thread. x is the length of the cord's whole path from its anchor on the cylinder to the follower's point: an arc and
+// its tangent, or out of the anchor's plane a helix and its tangent; once it is unwound, the straight line, which winds
+// up the other way if it swings on (unlatch/cords.h). The force is along the straight part.
 struct Drum {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // on its axis, in the plane of the anchor; base axes, m
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // unit, base axes
@@ -210,20 +212,19 @@ struct Drum {
 };
 
 // A force that acts on one side of a limit of a coordinate x, and in one direction: a pusher within its stroke, a stop
-// beyond its place, a cord that is taut. With s = +1 for what pushes x up from below the limit, −1 for what pulls it
-// down from above, and the depth δ = s (limit − x),
+// beyond its place, a cord that is taut. With s = +1 for a force that pushes x up from below the limit, −1 for one that
+// pulls it down from above, and the depth δ = s (limit − x), the force on the follower along x is
 //
 //   s · max(0, F(stroke − δ) + damping dδ/dt + friction (dδ/dt) / sqrt((dδ/dt)² + v_s²))
 //
-// along x on the follower, the opposite on the base,
-// while it is engaged: from the instant at which δ, and with it this sum, comes to 0 from below until the instant at
-// which either falls below 0. Both are events of the model (complete_events()), so that its force ends exactly there.
-// The law F is a function of the travel u = stroke − δ:
+// and on the base the opposite, while it is engaged: from the instant at which δ, and with it the sum in the brackets,
+// rises to 0 until the instant at which either falls below 0. Both instants are events of the model
+// (complete_events()), so that the force ends exactly there. The law F is a function of the travel u = stroke − δ:
 //
 //   kLinear  preload − stiffness u
 //   kTable   linear between (travels, forces), constant outside
 //   kGas     preload (gas_length / (gas_length + u))^exponent: p V^γ constant, V = area · gas_length at u = 0; γ = 1 is
-//            isothermal, 1.4 adiabatic air; nothing presses from outside
+//            isothermal, 1.4 adiabatic air; no pressure from outside
 struct OneSided {
   // Kind, for the names of its events.
   enum class Kind { kPusher, kStop, kCord };
@@ -238,14 +239,14 @@ struct OneSided {
   int base = kGround, follower = 0;
   Eigen::Vector3d point_base = Eigen::Vector3d::Zero();      // base axes, m
   Eigen::Vector3d point_follower = Eigen::Vector3d::Zero();  // follower axes, m
-  // x is the length of the line between them; with a guide, the place of the follower's point along this axis of the
-  // base, unit, base axes: the force is along it, at the follower's point, whatever the point does across it.
+  // x is the length of the line between them. With a guide, an axis of the base (unit, base axes), x is the place of
+  // the follower's point along it, and the force acts at that point along the guide, wherever the point is across it.
   std::optional<Eigen::Vector3d> guide{};
-  std::optional<Drum> drum{};         // of a cord: it is wound on this, and `point_base` does not count
-  std::optional<double> limit{};      // m or rad; by default `stroke` from where x is at the start: + stroke for s = +1
-  double stroke = 0;                  // m or rad, ≥ 0
-  Law law = Law::kLinear;             // F
-  double preload = 0, stiffness = 0;  // N or N m; N/m or N m/rad; F ≥ 0 over the whole stroke
+  std::optional<Drum> drum{};             // of a cord: it is wound on this, and `point_base` is not read
+  std::optional<double> limit{};          // m or rad; by default x at the start + s · stroke
+  double stroke = 0;                      // m or rad, ≥ 0
+  Law law = Law::kLinear;                 // F
+  double preload = 0, stiffness = 0;      // N or N m; N/m or N m/rad; F ≥ 0 over the whole stroke
   double gas_length = 0, exponent = 1.4;  // m or rad, > 0; ≥ 1
   std::vector<double> travels, forces;    // kTable: strictly increasing, ≥ 0; ≥ 0
   double damping = 0, friction = 0;       // N s/m or N m s/rad; N or N m
@@ -375,63 +376,9 @@ const char* sensor_unit(Sensor::Kind kind);
 
 // --- Events ---------------------------------------------------------------------------------------------------------
 
-// A guard is a real function of the state: it holds when it is ≥ 0, and an event falls where it crosses zero.
-// All takes the least of its parts, any the greatest, not the negative.
-struct Condition {
-  // Quantity that a guard compares, or the combination of its parts.
-  enum class Kind {
-    kTime,           // t ≥ threshold
-    kReaction,       // multiplier of (joint, axis); never holds while that row is inactive
-    kDisplacement,   // of (joint, axis)
-    kAngle,          // of (joint, axis)
-    kSpeed,          // rate of the displacement or angle of (joint, axis)
-    kBodyRate,       // |angular velocity| of a body
-    kSignal,         // a signal is raised
-    kCommand,        // a channel's value
-    kMode,           // a joint is in mode number `axis`
-    kAll,            // all parts hold
-    kAny,            // at least one part holds
-    kNot,            // its one part does not hold
-    kBurnt,          // what a body with a mass law has burnt, kg
-    kDistance,       // signed distance of surfaces `subject` and `axis`, m
-    kClosed,         // a contact is closed: some pair of its shapes
-    kForceSize,      // |multipliers of x, y, z| of a joint, N; 0 while none is active
-    kMomentSize,     // |multipliers of rot_x, rot_y, rot_z| of a joint, N m; likewise
-    kOneSidedForce,  // of a one-sided force (its number among these) at its switch scale, N or N m; 0 while not engaged
-    kEngaged,        // a one-sided force is engaged
-    kReach,          // complete_events(): depth or force of a one-sided force, whichever is less; `below`: its negative
-    kWound,          // angle that a cord is wound on its drum (its number among one-sided forces), rad; negative: it is
-                     // straight, and that far off the tangent
-    kBearing,        // of a cord's end about its drum's axis from its anchor, turns counted, rad
-    kQuantity,       // quantity number `subject` of the model
-  };
-  Kind kind = Kind::kTime;       // kind
-  int subject = 0;               // index of the joint, body, signal, channel, surface, contact or quantity
-  int axis = 0;                  // Row of a joint; kMode: index of the mode; kDistance: index of the other surface
-  double threshold = 0;          // in the unit of the quantity
-  bool below = false;            // holds at and below the threshold instead of at and above it
-  std::vector<Condition> parts;  // of kAll, kAny, kNot
-};
+// Their conditions and actions are in unlatch/events.h.
 
-// An action of an event.
-struct Action {
-  // Kind of action.
-  enum class Kind {
-    kSetMode,  // rows that are added close where they are, with a perfectly plastic impulse
-    kSwitch,   // element `subject` to scale `value`; switched on from zero it starts its own time
-    kRamp,     // the same, linearly over `duration` seconds
-    kRaise,    // signal `subject` to `value`
-    kImpulse,  // impulse `subject` of the model acts
-    kEngage,   // complete_events(): one-sided force `subject` becomes engaged, value 1, or not, 0
-  };
-  Kind kind = Kind::kSetMode;  // kind
-  int subject = 0;             // joint, element, signal, impulse or one-sided force
-  int mode = 0;                // kSetMode: index into the joint's modes
-  double value = 0;            // kSwitch, kRamp: scale; kRaise: value of the signal
-  double duration = 0;         // s
-};
-
-// An impulse on a body: a pyrotechnic shock. Rows stay closed: they answer with impulses of their own.
+// An impulse on a body: a pyrotechnic shock. Rows stay closed: their reactions are impulses too.
 struct Impulse {
   int body = 0;                                       // index of the body
   Load::Frame frame = Load::Frame::kBody;             // axes of `linear` and `angular`
@@ -439,17 +386,6 @@ struct Impulse {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // N s
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // N m s
   int channel = kNone;                                // command channel that multiplies both
-};
-
-// A condition, and the actions that follow when it becomes true.
-struct Event {
-  std::string name;          // name and subject together are unique
-  std::string subject;       // what it is about, for people: "booster1"
-  Condition when;            // guard
-  double delay = 0;          // s between the guard's crossing and the actions
-  std::vector<Action> then;  // actions, in order
-  bool repeat = false;       // fires again each time the guard crosses upwards; otherwise once
-  bool crossing = false;     // of a repeating event: a guard that holds at the start is no event
 };
 
 // --- The whole ------------------------------------------------------------------------------------------------------
@@ -489,15 +425,15 @@ struct Model {
 // A mistake in a model.
 struct ModelError {
   std::string where;  // "body 'core'"
-  std::string what;   // what is wrong
+  std::string what;   // the mistake
   std::string mend;   // what would be right
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
-// Value of Model::contact_substeps for as many parts as the present depths, speeds and masses need, a power of two up
-// to kMaxAutomaticSubsteps (kernel/elements/kinds/contact/contact_parts.h).
+// Value of Model::contact_substeps that leaves the number of parts to the step: a power of two up to
+// kMaxAutomaticSubsteps, by the present depths, speeds and masses (kernel/elements/kinds/contact/contact_parts.h).
 inline constexpr int kAutomaticSubsteps = 0;
-// Largest number of parts that are chosen automatically.
+// Largest number of parts that the step chooses.
 inline constexpr int kMaxAutomaticSubsteps = 256;
 // Largest number that a model may give.
 inline constexpr int kMaxContactSubsteps = 64;
@@ -508,18 +444,18 @@ int get_most_contact_substeps(const Model& model);
 // contact that is closed at the start has no touch then.
 void add_contact_events(Model& model);
 
-// a body of the model is a marker.
+// True if some body of the model is a marker.
 bool has_markers(const Model& model);
-// The same with the initial poses and velocities of the markers of its flexible bodies, which follow from the bodies'.
+// A copy of the model in which markers have the initial poses and velocities that follow from their flexible bodies.
 Model place_markers(const Model& model);
 
-// The same with the two events of each one-sided force that has none yet, after all others: where it becomes engaged
-// and where it no longer is. Their subject is its name; their names are "touch" and "stroke_end" of a pusher, "touch"
-// and "lift" of a stop, "taut" and "slack" of a cord. compile_plan() does it too, so that events which a user's model
-// does not list have the numbers that follow.
+// A copy of the model with two more events for each one-sided force that has none yet: where it becomes engaged, and
+// where it ceases to be. They stand after all other events, and compile_plan() numbers them so. Their subject is the
+// force's name; their names are "touch" and "stroke_end" of a pusher, "touch" and "lift" of a stop, "taut" and "slack"
+// of a cord.
 Model complete_events(const Model& model);
 
-// Every mistake that makes the model unphysical or inconsistent, all at once. Empty: it may be compiled.
+// Every mistake that makes the model unphysical or inconsistent. If there is none, it can be compiled.
 std::vector<ModelError> validate(const Model& model);
 
 }  // namespace unlatch

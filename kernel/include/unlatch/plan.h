@@ -72,16 +72,14 @@ class Plan {
   std::span<const TreeNode> get_tree() const noexcept;
   std::span<const std::int32_t> get_loops() const noexcept;  // joints that close a loop over the tree
   LoopOverlap get_loop_overlap() const noexcept;
-  std::size_t get_sensor_count() const noexcept;             // values, all sensors' components counted
+  std::size_t get_sensor_count() const noexcept;  // values, all sensors' components counted
   // The commands of the channels at the start, for Inputs::commands.
   std::span<const double> get_initial_commands() const noexcept;
   // The whole plan as one block of bytes, see unlatch/plan_image.h.
   std::span<const std::byte> get_image() const noexcept;
 
-  // For the kernel and its tests.
-  const PlanData& data() const noexcept { return *data_; }
-
  private:
+  friend const PlanData& get_data(const Plan& plan) noexcept;  // kernel/plan/plan_data.h
   std::shared_ptr<const PlanData> data_;
 };
 

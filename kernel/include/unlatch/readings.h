@@ -1,5 +1,6 @@
 // Readings of a state that are neither in it nor in the workspace: forces and strokes of elements, modal rates; and
-// elements whatever their kind: what they act on, what their readings mean, how they start. For outputs and reports. The step computes each force by the same formula (kernel/elements/kinds).
+// elements whatever their kind: what they act on, what their readings mean, how they start. For outputs and reports.
+// The step computes each force by the same formula (kernel/elements/kinds).
 #pragma once
 
 #include <span>
@@ -8,6 +9,7 @@
 #include "unlatch/model.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
+#include "unlatch/step_data.h"
 #include "unlatch/workspace.h"
 
 namespace unlatch {
@@ -55,6 +57,11 @@ struct SpringReading {
   double scale = 0;   // of its switch: 0 while it is off
 };
 
+// Size of a load (its number in the model) at the state's tick: profile · switch scale · command, N or N m per length
+// of its direction. `workspace`: with the outputs of this state.
+double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, const Workspace& workspace,
+                      int load) noexcept;
+
 // Reading of a point spring (its number in the model) at the state's tick.
 SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept;
 
@@ -95,7 +102,7 @@ inline double calc_joint_spring(const Spring& spring, double x, double rate, dou
   return (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale;
 }
 
-// An element at the end of the latest step.
+// An element at one instant.
 struct ElementReading {
   // On the follower, N or N m. Of a load: its size along its direction; of a point spring: a push is positive; of a
   // joint spring and of friction: along or about its axis; of a plane torsion: the moment that turns its axis back is
@@ -111,9 +118,9 @@ struct ElementReading {
   double on_drum = 0;  // and length, m
 };
 
-// `element`: as in State::elements. The state must be that of the workspace's latest step(), Bundle::step() or
-// update_outputs().
-ElementReading calc_element(const Plan& plan, const State& state, const Workspace& workspace, int element) noexcept;
+// Reading of an element (its number in State::elements) at the state that the outputs in the workspace are of: the one
+// that the latest step(), Bundle::step() or update_outputs() left.
+ElementReading calc_element(const Plan& plan, const Workspace& workspace, int element) noexcept;
 
 // Coordinate and force of a one-sided force.
 struct OneSidedReading {
@@ -127,8 +134,8 @@ struct OneSidedReading {
   double bearing = 0;     // of its end about the drum's axis from the anchor, turns counted, rad
 };
 
-// Likewise of a one-sided force, by its number among the model's.
-OneSidedReading calc_one_sided(const Plan& plan, const State& state, const Workspace& workspace, int number) noexcept;
+// The same of a one-sided force, by its number among the model's.
+OneSidedReading calc_one_sided(const Plan& plan, const Workspace& workspace, int number) noexcept;
 
 // The law of a one-sided force alone: its force while it is engaged, N or N m, and what it stores, J, at a depth and
 // its rate, m and m/s or rad and rad/s.

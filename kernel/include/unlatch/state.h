@@ -32,10 +32,10 @@ struct BodyState {
 // Memory of a joint.
 struct JointState {
   std::int64_t mode;  // index into the joint's modes
-  double
-      angle[3];  // about the axes of the rotation frame, turns counted, at the start of the step; 0 if nobody reads it
-  Vec3 offset;   // where the point–plane rows hold, along x, y, z of the joint frame, m
-  Quat locked;   // relative attitude at which three rotation rows hold: rotation frame, follower to base
+  // About the axes of the rotation frame, turns counted, at the start of the step, rad; 0 if it is not read.
+  double angle[3];
+  Vec3 offset;  // where the point–plane rows hold, along x, y, z of the joint frame, m
+  Quat locked;  // relative attitude at which three rotation rows hold: rotation frame, follower to base
 };
 
 // An element's switch scale runs linearly from `from` at `start` to `to` at `start + duration` and stays there.

@@ -1,4 +1,4 @@
-// Workspace: the memory of a step that can be recomputed, one per thread, and the outputs of the latest step.
+// Workspace: memory of a step for all that can be computed again, one per thread, and the outputs of the latest step.
 #pragma once
 
 #include <cstddef>
@@ -77,10 +77,8 @@ class Workspace {
   std::span<const double> laws;            // in the order of the model's laws
   std::span<const TableExit> table_exits;  // in the order of the model's tables
 
-  // For the kernel and its tests.
-  WorkspaceData& data() const { return *data_; }
-
  private:
+  friend WorkspaceData& get_data(const Workspace& workspace) noexcept;  // kernel/plan/evaluation.h
   WorkspaceData* data_ = nullptr;
 };
 

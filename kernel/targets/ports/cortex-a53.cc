@@ -1,6 +1,6 @@
 // Cortex-A53: `qemu-system-aarch64 -M virt -cpu cortex-a53 -semihosting`. Memory is used without translation, so that
-// code must keep natural alignment (-mstrict-align). The virtual counter goes at 62.5 MHz; with `-icount shift=0` one count
-// is 16 instructions.
+// code must keep natural alignment (-mstrict-align). The virtual counter goes at 62.5 MHz; with `-icount shift=0` one
+// count is 16 instructions.
 #include "kernel/targets/port.h"
 
 extern "C" {

@@ -1,6 +1,6 @@
 // Cortex-M7 with double-precision FPU: Arm's MPS2 board with the image AN500, or `qemu-system-arm -M mps2-an500`.
-// Output by semihosting, so that a debugger shows it too. SysTick counts time; with `-icount shift=0` QEMU's clock goes on
-// by 1 ns with each instruction, so that one count of SysTick, at 25 MHz, is 40 instructions.
+// Output by semihosting, so that a debugger shows it too. SysTick counts time; with `-icount shift=0` QEMU's clock goes
+// on by 1 ns with each instruction, so that one count of SysTick, at 25 MHz, is 40 instructions.
 #include "kernel/targets/port.h"
 
 extern "C" {
@@ -73,14 +73,18 @@ void target_start() {
   unlatch::target::finish(2);
 }
 
-// Initial stack pointer, then the handlers up to SysTick.
-__attribute__((section(".vectors"), used)) void* const target_vectors[16] = {
-    reinterpret_cast<void*>(target_stack_end),  reinterpret_cast<void*>(target_start),
-    reinterpret_cast<void*>(target_fault),      reinterpret_cast<void*>(target_fault),
-    reinterpret_cast<void*>(target_fault),      reinterpret_cast<void*>(target_fault),
-    reinterpret_cast<void*>(target_fault),      nullptr,
-    nullptr,                                    nullptr,
-    nullptr,                                    reinterpret_cast<void*>(target_fault),
-    reinterpret_cast<void*>(target_fault),      nullptr,
-    reinterpret_cast<void*>(target_fault),      reinterpret_cast<void*>(target_fault)};
+// What the processor reads at its start: the initial stack pointer, then the handlers up to SysTick.
+struct Vectors {
+  void* stack;
+  void (*start)();
+  void (*faults[5])();  // NMI, hard, memory, bus, usage
+  void (*none[4])();
+  void (*others[5])();  // SVC, debug, none, PendSV, SysTick
+};
+__attribute__((section(".vectors"), used))
+const Vectors target_vectors = {target_stack_end,
+                                target_start,
+                                {target_fault, target_fault, target_fault, target_fault, target_fault},
+                                {},
+                                {target_fault, target_fault, nullptr, target_fault, target_fault}};
 }

@@ -1,5 +1,5 @@
-// RISC-V with 64 bits and double-precision FPU: `qemu-system-riscv64 -M virt -bios none -semihosting`, machine mode. The
-// register instret counts instructions (with `-icount shift=0`).
+// RISC-V with 64 bits and double-precision FPU: `qemu-system-riscv64 -M virt -bios none -semihosting`, machine mode.
+// The register instret counts instructions (with `-icount shift=0`).
 #include "kernel/targets/port.h"
 
 extern "C" {
@@ -15,11 +15,10 @@ std::uint64_t call_debugger(std::uint64_t operation, const void* argument) {
   register std::uint64_t a0 asm("a0") = operation;
   register const void* a1 asm("a1") = argument;
   // The three instructions, uncompressed and on one page, are the call.
-  asm volatile(
-      ".balign 16\n .option push\n .option norvc\n slli x0, x0, 0x1f\n ebreak\n srai x0, x0, 7\n .option pop"
-      : "+r"(a0)
-      : "r"(a1)
-      : "memory");
+  asm volatile(".balign 16\n .option push\n .option norvc\n slli x0, x0, 0x1f\n ebreak\n srai x0, x0, 7\n .option pop"
+               : "+r"(a0)
+               : "r"(a1)
+               : "memory");
   return a0;
 }
 

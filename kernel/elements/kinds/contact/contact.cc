@@ -64,14 +64,14 @@ void write_totals(const ContactTotals& totals, std::span<double> auxiliary, cons
   std::copy(numbers.begin(), numbers.end(), auxiliary.begin() + contact.auxiliary);
 }
 
-// Pairs whose bounds are within this part of their size are computed all the same: there an acceleration counts.
+// Pairs whose bounds are within this part of their size are computed in any case: there an acceleration matters.
 constexpr double kNear = 1e-4;
 
 double calc_speed(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b) {
   return geometry::calc_closing_speed(a.group, {at_a.v, norm(at_a.w), 0}, b.group, {at_b.v, norm(at_b.w), 0});
 }
 
-// Least distance of two surfaces that can be told without computing it; negative infinity if they may come near
+// Lower bound of the distance of two surfaces by their bounding spheres; negative infinity if they may come near
 // `threshold` within `interval`.
 double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b,
                       double threshold, double interval) {
@@ -80,7 +80,7 @@ double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShap
   return bound > threshold + kMargin * calc_speed(a, at_a, b, at_b) * interval ? bound : -HUGE_VAL;
 }
 
-// The same of a pair of shapes, for touches; `way`: that bodies may go.
+// The same of a pair of shapes, for touches. `way`: the distance that bodies may go.
 double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyFrame& base, const BodyFrame& follower,
                       double way) {
   const PlanContact& contact = plan.contacts[at(pair.contact)];
@@ -90,7 +90,7 @@ double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyF
   return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
 }
 
-// Until the next instant at which pairs are looked at: of the parts into which closed contacts cut a step, or the step.
+// Time until pairs are examined again: a part of the step if closed contacts cut it, else the step.
 double calc_interval(const PlanData& plan, const State& state) {
   for (const ContactState& pair : state.contacts)
     if (pair.closed != 0) return plan.options.dt / get_fewest_parts(plan);
@@ -205,12 +205,12 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
 }
 
 std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept {
-  const PlanContact& own = plan.data().contacts[at(contact)];
+  const PlanContact& own = get_data(plan).contacts[at(contact)];
   return state.contacts.subspan(at(own.first_pair), at(own.pairs));
 }
 
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept {
-  return read_totals(state.auxiliary, plan.data().contacts[at(contact)]);
+  return read_totals(state.auxiliary, get_data(plan).contacts[at(contact)]);
 }
 
 namespace {
@@ -252,7 +252,7 @@ ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contac
 }
 
 ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   const PlanContact& own = plan.contacts[at(contact)];
   const double scale = calc_scale(state.elements[at(own.element)], plan.get_time(state.header->tick));
   if (scale == 0) return {};
@@ -261,7 +261,7 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
 }
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {
-  const PlanData& plan = owner.data();
+  const PlanData& plan = get_data(owner);
   const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
   return calc_group_distance(plan, of_a, calc_body_frame(state, of_a.body), of_b, calc_body_frame(state, of_b.body));
 }

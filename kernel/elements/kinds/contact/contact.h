@@ -36,14 +36,14 @@ PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& 
 double calc_stored(const PlanContact& contact, double depth) noexcept;
 
 // Signed distance of two surfaces where a guard could cross `threshold` within a step; farther apart a lower bound,
-// which is above `threshold`. Needs the bodies' kinematics.
+// which is above `threshold`.
 double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept;
 
 // ev.pair_distances and ev.pair_rates of pairs that are open and on: distances and their rates, or lower bounds of
 // those that cannot touch within a step and 0.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
-// A contact at any instant of a step. Needs the bodies' kinematics.
+// A contact at any instant of a step, of which `ev` is the evaluation.
 ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept;
 
 // Distance of two surfaces. Needs the bodies' kinematics.

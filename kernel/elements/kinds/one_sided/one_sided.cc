@@ -37,15 +37,15 @@ OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const
     m.direction = m.path.direction;
     m.r_base = from_base;
     m.x = m.path.length;
-  } else if (own.guided) {  // the force meets the base where the follower's point is
+  } else if (own.guided) {  // the force acts on the base where the follower's point is
     m.direction = base.R * own.guide;
     m.r_base = from_base;
     m.x = dot(m.direction, from_base - base.R * own.point_base);
   } else {
     m.r_base = base.R * own.point_base;
-    const Vec3 line = from_base - m.r_base;
-    m.x = norm(line);
-    if (m.x > 0) m.direction = (1.0 / m.x) * line;
+    const PointLine line = calc_line(from_base - m.r_base);
+    m.x = line.length;
+    m.direction = line.direction;
   }
   const Vec3 v = (follower.v + cross(follower.w, m.r_follower)) - (base.v + cross(base.w, m.r_base));
   m.depth = own.sign * (own.limit - m.x);
@@ -53,8 +53,8 @@ OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const
   return m;
 }
 
-// A stiffness by which depths and forces are compared, so that the search for an event meets no corner between them
-// near its crossing: that of the law, or of its force over its stroke. N/m or N m/rad.
+// A stiffness that makes depths comparable with forces, so that the lesser of both has no corner near its crossing,
+// where an event is searched: that of the law, or its force over its stroke. N/m or N m/rad.
 double get_scale(const OneSidedLaw& law) {
   double scale = law.stiffness;
   if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
@@ -118,11 +118,12 @@ bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSid
   return motion.depth <= 0 || get_scale(law) * motion.depth < calc_sum(law, motion.depth, motion.depth_rate);
 }
 
-OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Workspace& workspace, int number) noexcept {
-  const PlanData& plan = owner.data();
+OneSidedReading calc_one_sided(const Plan& owner, const Workspace& workspace, int number) noexcept {
+  const PlanData& plan = get_data(owner);
+  const State& state = get_data(workspace).kept.state;
   const PlanOneSided& own = plan.one_sided[at(number)];
   const double t = plan.get_time(state.header->tick);
-  const OneSidedMotion m = calc_motion(FinalMotion{plan, state, workspace.data().kept.evaluation}, own);
+  const OneSidedMotion m = calc_motion(FinalMotion{plan, get_data(workspace).kept}, own);
   return {m.x,
           m.depth,
           m.depth_rate,

@@ -1,6 +1,6 @@
-// One-sided forces: pushers, stops and cords, see OneSided in unlatch/model.h. Which of them are engaged
-// is the state's, and changes at events alone; between these the law is smooth, so that stages on either side of a
-// limit see one law.
+// One-sided forces: pushers, stops and cords, see OneSided in unlatch/model.h. The state says which of them are
+// engaged, and this changes at events alone. Between events the law is smooth: stages on both sides of a limit compute
+// the same law.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct OneSidedMotion {
   CordPath path{};              // of a cord with a drum
 };
 
-// Needs kinematics, joint frames and coordinates.
+// By the evaluation of an instant.
 OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
                            const PlanOneSided& own) noexcept;
 inline OneSidedMotion calc_motion(const StageMotion& motion, const PlanOneSided& own) noexcept {
@@ -34,16 +34,16 @@ OneSidedMotion calc_motion(const FinalMotion& motion, const PlanOneSided& own) n
 // The law of one in the plan.
 OneSidedLaw get_law(const PlanData& plan, const PlanOneSided& own) noexcept;
 
-// It is switched on, or about to be by a ramp.
+// True if it is switched on, or a ramp has begun to switch it on.
 bool is_on(const ElementState& element, double t) noexcept;
 // Its force, N or N m: 0 if it is not engaged.
 double calc_force(const PlanData& plan, const State& state, double t, const PlanOneSided& own,
                   const OneSidedMotion& motion) noexcept;
-// Depth times a stiffness, or the force, whichever is less, N or N m: engaged from where it comes to 0 until it falls
-// below.
+// Depth times a stiffness, or the force, whichever is less, N or N m: it is engaged from where this rises to 0 until it
+// falls below 0.
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
-// The depth is the less of the two numbers that calc_reach() compares: a force that is not engaged is then beyond its
-// limit or, but for rounding, at it. Otherwise it is within its limit, and its force is 0.
+// True if the depth is the less of the two numbers that calc_reach() compares: a force that is not engaged is then
+// beyond its limit or, but for rounding, at it. Otherwise it is within its limit, and its force is 0.
 bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
 
 // The bearings of cords' ends on their drums: counts them on from those in the state, which they replace.
@@ -52,7 +52,7 @@ void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) no
 struct OneSidedKind {
   static auto& of(auto& model) { return model.one_sided; }
   static auto& of_plan(auto& plan) { return plan.one_sided; }
-  static constexpr bool kHasFriction = true;  // its size depends on a rate by Coulomb\'s law
+  static constexpr bool kHasFriction = true;  // its size depends on a rate by Coulomb's law
 
   static void list_numbers(const OneSided& f, const auto& add) {
     add(f.kind, f.pulls, f.joint, f.axis, f.base, f.follower, f.point_base, f.point_follower, f.guide, f.limit,

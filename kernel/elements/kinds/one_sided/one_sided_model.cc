@@ -35,7 +35,7 @@ void check_law(const Check& check, const OneSided& f) {
   if (f.kind == OneSided::Kind::kStop && f.stiffness == 0)
     check.report("its stiffness is 0, so that it stops nothing", "greater than 0, and finite", "stiffness");
   if (f.kind == OneSided::Kind::kCord && f.stiffness == 0)
-    check.report("its stiffness is 0, so that nothing tells where it is taut",
+    check.report("its stiffness is 0, so that its force does not show where it is taut",
                  "greater than 0: a cord that is to do nothing may have 1e-6 N/m", "stiffness");
   check.check_not_negative("damping", f.damping);
   check.check_not_negative("friction", f.friction);
