@@ -88,7 +88,9 @@ TEST(SampleEvaluator, GivesFlexibleBodiesTheBitsOfReadingTheirModesAnew) {
     for (int again = 0; again < 2; ++again) {
       const std::int64_t hash = hil::build_simulation(tree.read(settings))->get_model_hash();
       EXPECT_EQ(hash, hil::build_simulation(hil::load_scenario(file, overrides))->get_model_hash());
-      if (again == 0) EXPECT_THAT(seen, testing::Not(testing::Contains(hash)));
+      if (again == 0) {
+        EXPECT_THAT(seen, testing::Not(testing::Contains(hash)));
+      }
       seen.push_back(hash);
     }
   }
