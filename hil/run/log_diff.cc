@@ -58,13 +58,13 @@ class Side {
     if (!recording_.end) return false;
     refuse_if_lossy(recording_, recording_.end->unrecorded);
     if (recording_.end->tick <= record_.tick) return false;
-    next = {recording_.end->tick, recording_.end->hash, recording_.end->unrecorded, {}};
+    next = {recording_.end->tick, recording_.end->hash, recording_.end->unrecorded, {}, {}};
     return true;
   }
 
   RecordingReader& recording_;
   Simulation& simulation_;
-  LogTick record_{-1, 0, 0, {}};
+  LogTick record_{-1, 0, 0, {}, {}};
   bool made_step_ = false;
   std::vector<double> step_inputs_;
   std::vector<LogChange> step_changes_;

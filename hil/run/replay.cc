@@ -1,5 +1,7 @@
 #include "hil/run/replay.h"
 
+#include <utility>
+
 #include "hil/run/run.h"
 
 namespace unlatch::hil {
@@ -9,8 +11,11 @@ class Replayer {
  public:
   using Look = std::function<void(const StepReport&)>;
   Replayer(Simulation& simulation, RunAnalysis* analysis, const Look& look, ReplayResult& result)
-      : simulation_(simulation), analysis_(analysis), look_(look), result_(result) {
-    show(StepReport{});
+      : simulation_(simulation), analysis_(analysis), look_(look), result_(result) {}
+
+  // Shows the first state; once its record, or the end, is read.
+  void begin() {
+    if (!std::exchange(begun_, true)) show(StepReport{});
   }
 
   bool compare(std::int64_t recorded) {
@@ -56,6 +61,7 @@ class Replayer {
   ReplayResult& result_;
   StepStatus status_ = StepStatus::kOk;
   std::int64_t last_compared_ = -1;
+  bool begun_ = false;
 };
 
 }  // namespace
@@ -101,6 +107,7 @@ ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnaly
   bool has_pending = false;
   while (recording.next(tick)) {
     refuse_if_lossy(recording, tick.unrecorded);
+    replayer.begin();
     if (has_pending && !replayer.step(pending)) {
       result.mismatch =
           "the step of tick " + std::to_string(pending.tick) + " fails here: " + get_status_text(replayer.get_status());
@@ -110,6 +117,7 @@ ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnaly
     std::swap(pending, tick);
     has_pending = true;
   }
+  replayer.begin();
   if (recording.end) {
     refuse_if_lossy(recording, recording.end->unrecorded);
     if (has_pending) replayer.step(pending);

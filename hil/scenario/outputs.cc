@@ -24,11 +24,11 @@ const std::vector<std::string> kAxes{"x", "y", "z"};
 // The list under construction.
 class List {
  public:
-  explicit List(const Scenario& scenario) : scenario_(scenario), model_(scenario.model) {
+  List(const Scenario& scenario, SensorsShown shown) : scenario_(scenario), model_(scenario.model) {
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) add_body(i);
     for (std::size_t i = 0; i < model_.joints.size(); ++i) add_joint(i);
     add_elements();
-    for (std::size_t i = 0; i < model_.sensors.size(); ++i) add_sensor(i);
+    for (std::size_t i = 0; i < model_.sensors.size(); ++i) add_sensor(i, Kind::kSensor, "sensor");
     for (std::size_t i = 0; i < model_.signals.size(); ++i)
       add_plain(Kind::kSignal, i, "signal", model_.signals[i], {{"signal." + model_.signals[i], "1"}});
     for (std::size_t i = 0; i < model_.channels.size(); ++i) {
@@ -45,6 +45,8 @@ class List {
       add_plain(Kind::kQuantity, i, "quantity", quantity.name,
                 {{"quantity." + quantity.name, unlatch::get_unit(model_, quantity)}});
     }
+    for (std::size_t i = 0; i < model_.sensors.size() && shown == SensorsShown::kAlsoReceived; ++i)
+      add_sensor(i, Kind::kReceived, "received");
   }
   std::vector<Output> outputs;
 
@@ -173,7 +175,7 @@ class List {
     }
   }
 
-  void add_sensor(std::size_t number) {
+  void add_sensor(std::size_t number, Kind kind, const char* group) {
     const Sensor& sensor = model_.sensors[number];
     std::vector<Output::Column> columns;
     unlatch::Quantity quantity = get_quantity(model_, sensor);
@@ -181,9 +183,9 @@ class List {
     const std::span<const char* const> components = get_sensor_components(sensor.kind);
     for (std::size_t k = 0; k < components.size(); ++k) {
       if (whole) quantity.part = static_cast<int>(k);
-      columns.push_back({"sensor." + sensor.name + components[k], unlatch::get_unit(model_, quantity)});
+      columns.push_back({std::string(group) + "." + sensor.name + components[k], unlatch::get_unit(model_, quantity)});
     }
-    add_plain(Kind::kSensor, number, "sensor", sensor.name, std::move(columns));
+    add_plain(kind, number, group, sensor.name, std::move(columns));
     outputs.back().frame = get_traits(quantity.kind).frame;
   }
 
@@ -236,7 +238,7 @@ std::int64_t parse_every(const std::string& item, std::string_view text, double 
 
 }  // namespace
 
-std::vector<Output> list_outputs(const Scenario& scenario) { return List(scenario).outputs; }
+std::vector<Output> list_outputs(const Scenario& scenario, SensorsShown shown) { return List(scenario, shown).outputs; }
 
 std::size_t count_values(std::span<const Output> outputs) {
   return outputs.empty() ? 0 : outputs.back().first + outputs.back().columns.size();

@@ -53,6 +53,7 @@ struct Output {
     kCommand,              // commanded value of a channel, in its unit
     kClearance,            // distance of a watched pair, m
     kQuantity,             // one that the scenario names, in its unit
+    kReceived,             // values of a sensor that flight software had at this tick
   };
   struct Column {
     std::string name;  // "core.vx", unique in a scenario
@@ -69,8 +70,11 @@ struct Output {
   std::size_t first = 0;        // index of its first value among those of all outputs
 };
 
+// Sensors of a recorded session: as sampled alone, or beside them the values that flight software had.
+enum class SensorsShown { kSampled, kAlsoReceived };
+
 // Lists all outputs of a scenario, in a fixed order.
-std::vector<Output> list_outputs(const Scenario& scenario);
+std::vector<Output> list_outputs(const Scenario& scenario, SensorsShown shown = SensorsShown::kSampled);
 // Number of values of all these outputs.
 std::size_t count_values(std::span<const Output> outputs);
 

@@ -115,6 +115,22 @@ std::string get_shown_name(const std::string& path) { return path == "-" ? "<std
 
 }  // namespace
 
+std::string name_surface_shape(const Scenario& scenario, int surface, int shape) {
+  const Surface& own = scenario.model.surfaces[static_cast<std::size_t>(surface)];
+  const std::string body =
+      own.body == kGround ? "ground" : scenario.model.bodies[static_cast<std::size_t>(own.body)].name;
+  const std::size_t dot = own.name.find('.');
+  const std::string part = dot == std::string::npos ? "" : own.name.substr(dot + 1);
+  const std::vector<BodyShape>& shapes = get_shapes(scenario, own.body);
+  int number = 0;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (!part.empty() && shapes[i].name != part && shapes[i].group != part) continue;
+    if (number++ != shape) continue;
+    return body + "." + (shapes[i].name.empty() ? "shape[" + std::to_string(i) + "]" : shapes[i].name);
+  }
+  return own.name;
+}
+
 std::string tell_absence(const FlightSoftware& flight_software, const std::string& something) {
   std::string names;
   for (const std::string& name : flight_software.required) names += (names.empty() ? "" : ", ") + name;
@@ -194,6 +210,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_environment(top);
   read_bodies(top);
   read_start(top);
+  read_ground(top);
   read_channels(top);
   read_signals(top);
   read_joints(top);

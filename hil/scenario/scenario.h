@@ -79,6 +79,7 @@ struct Scenario {
   Rates rates;
   TimingOptions timing;
   std::vector<std::vector<BodyShape>> shapes;  // shapes of each body
+  std::vector<BodyShape> ground_shapes;        // fixed in W
   std::vector<ClearancePair> clearance;        // pairs whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
@@ -87,6 +88,13 @@ struct Scenario {
   std::vector<std::string> springs_while_free;  // joint springs that act intentionally while their joint is free
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
 };
+
+// Shapes of a body, or of the ground.
+inline const std::vector<BodyShape>& get_shapes(const Scenario& scenario, int body) {
+  return body == kGround ? scenario.ground_shapes : scenario.shapes[static_cast<std::size_t>(body)];
+}
+// Name of a shape of one of the model's surfaces: "core.skirt"; "core.shape[2]" of one without a name.
+std::string name_surface_shape(const Scenario& scenario, int surface, int shape);
 
 // Says that the required flight software takes no part in something, such as "a campaign"; empty if none is required.
 std::string tell_absence(const FlightSoftware& flight_software, const std::string& something);

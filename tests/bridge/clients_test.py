@@ -18,6 +18,7 @@ EXAMPLES = SOURCE / "bridge/examples"
 SATELLITE = EXAMPLES / "first/satellite.yaml"
 LOSSY = SOURCE / "hil/scenarios/boosters/faults/lossy-line.yaml"
 LISTEN = EXAMPLES / "python/listen.py"
+DDS_TYPES = BIN.parent / "bridge/examples/libexample_python_dds_types.so"
 PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
 # Thrust of 5000 N on 100 kg from 0.1 to 0.3 s, free until 0.5 s: 1 m + 10 m/s * 0.2 s.
 FLOWN = "x = 3.000000 m"
@@ -44,7 +45,8 @@ class ClientsTest(ProcessTest):
         return report
 
     def test_pilots_over_dds_lcm_and_udp_fly_the_same_bits(self):
-        reports = [self.fly("dds", [BIN / "example_pilot_c"]), self.fly("lcm", [BIN / "example_pilot_cpp"]),
+        python = ["/usr/bin/env", "python3", EXAMPLES / "python/dds.py", EXAMPLES.parent / "schema/unlatch.idl", DDS_TYPES]
+        reports = [self.fly("dds", [BIN / "example_pilot_c"]), self.fly("dds", python), self.fly("lcm", [BIN / "example_pilot_cpp"]),
                    self.fly("udp", [BIN / "example_pilot_udp"])]
         self.assertEqual(len({report["hash"] for report in reports}), 1)
 

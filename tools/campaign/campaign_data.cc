@@ -62,6 +62,11 @@ Json write_step(const hil::StepSearch& search) {
           {"trials", trials}};
 }
 
+// Unit of tables for people; null: the SI unit.
+Json write_shown(const std::optional<hil::WrittenUnit>& shown) {
+  return shown ? Json{{"unit", shown->name}, {"factor", shown->factor}} : Json(nullptr);
+}
+
 Json write_failure(const hil::RareFailure& failure) {
   return {{"column", failure.column}, {"unit", failure.unit},     {"column_index", failure.column_index},
           {"limit", failure.limit},   {"above", failure.above},   {"samples", failure.samples},
@@ -117,7 +122,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
   if (campaign.step_search) manifest["step"] = write_step(*campaign.step_search);
   if (campaign.failure) manifest["subset"] = write_failure(*campaign.failure);
   for (const hil::InputColumn& input : list_inputs(campaign))
-    manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}});
+    manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}, {"shown", write_shown(input.shown)}});
   for (const hil::CampaignParameter& parameter : campaign.parameters)
     manifest["parameters"].push_back({{"name", parameter.name},
                                       {"paths", parameter.paths},
@@ -130,6 +135,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
     manifest["requirements"].push_back({{"id", requirement.id},
                                         {"text", requirement.text},
                                         {"unit", requirement.unit},
+                                        {"shown", write_shown(find_shown_unit(campaign, requirement.id))},
                                         {"at_least", to_limit(requirement.least)},
                                         {"at_most", to_limit(requirement.most)}});
   return manifest;

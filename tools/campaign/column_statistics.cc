@@ -41,6 +41,7 @@ Json describe_column(const Json& column, const std::vector<double>& values) {
   double mean = 0, square = 0;
   for (const double x : sorted) mean += x / static_cast<double>(sorted.size());
   for (const double x : sorted) square += (x - mean) * (x - mean);
+  if (column.contains("shown")) json["shown"] = column.at("shown");
   json["mean"] = sorted.empty() ? Json(nullptr) : to_json(mean);
   json["deviation"] =
       sorted.size() < 2 ? Json(nullptr) : to_json(std::sqrt(square / static_cast<double>(sorted.size() - 1)));

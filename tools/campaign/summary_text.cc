@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hil/scenario/yaml/setting.h"
+#include "tools/campaign/review.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 
@@ -24,9 +25,9 @@ std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
   if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());
   std::string text;
-  if (!requirement.at("at_least").is_null()) text = format("≥ %.5g", tolerance.at("lower").get<double>());
+  if (!requirement.at("at_least").is_null()) text = format("≥ %.5g", to_shown(requirement, tolerance.at("lower").get<double>()));
   if (!requirement.at("at_most").is_null())
-    text += (text.empty() ? "" : ", ") + format("≤ %.5g", tolerance.at("upper").get<double>());
+    text += (text.empty() ? "" : ", ") + format("≤ %.5g", to_shown(requirement, tolerance.at("upper").get<double>()));
   return text;
 }
 
@@ -122,15 +123,19 @@ void print_summary(std::FILE* to, const Json& summary) {
   for (const Json& requirement : summary.at("requirements")) {
     const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
     const bool failed = requirement.at("failed") > 0;
+    const auto shown = [&](const char* probability) {
+      const Json& value = q.at(probability);
+      return value.is_null() ? std::string("–") : format("%.5g", to_shown(requirement, value.get<double>()));
+    };
     const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
     std::fprintf(
         to, "  %-16s %s %8lld  %-25s %10s %10s %10s %10s %10s  %s %s\n",
         requirement.at("id").get<std::string>().c_str(),
         paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
             .c_str(),
-        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), text(q.at("0.01")).c_str(),
-        text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(), text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(),
-        describe_tolerance(requirement).c_str(), requirement.at("unit").get<std::string>().c_str());
+        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), shown("0.01").c_str(),
+        shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(), shown("0.99").c_str(),
+        describe_tolerance(requirement).c_str(), get_shown_unit(requirement).c_str());
   }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");

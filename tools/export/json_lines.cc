@@ -12,15 +12,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json build_body(const hil::Scenario& scenario, std::size_t body) {
+Json build_shapes(const std::vector<hil::BodyShape>& parts) {
   Json shapes = Json::array();
-  for (const hil::BodyShape& part : scenario.shapes[body]) {
+  for (const hil::BodyShape& part : parts) {
     Json json = build_shape_json(part);
     if (!part.name.empty()) json["name"] = part.name;
     if (!part.group.empty()) json["group"] = part.group;
     shapes.push_back(std::move(json));
   }
-  return {{"name", scenario.model.bodies[body].name}, {"mass", scenario.model.bodies[body].mass}, {"shapes", shapes}};
+  return shapes;
+}
+
+Json build_body(const hil::Scenario& scenario, std::size_t body) {
+  return {{"name", scenario.model.bodies[body].name},
+          {"mass", scenario.model.bodies[body].mass},
+          {"shapes", build_shapes(scenario.shapes[body])}};
 }
 
 class JsonSink final : public Sink {
@@ -48,6 +54,7 @@ class JsonSink final : public Sink {
     run["bodies"] = Json::array();
     for (std::size_t i = 0; i < scenario.model.bodies.size(); ++i)
       if (chosen("body", scenario.model.bodies[i].name)) run["bodies"].push_back(build_body(scenario, i));
+    run["ground"] = build_shapes(scenario.ground_shapes);
     run["joints"] = Json::array();
     for (const Joint& joint : scenario.model.joints)
       if (chosen("joint", joint.name)) run["joints"].push_back(joint.name);
@@ -67,13 +74,29 @@ class JsonSink final : public Sink {
 
   void add_tick(const Selection& selection) override {
     for (const hil::TimelineEntry& event : selection.events()) {
-      put({{"kind", "event"}, {"t", event.time}, {"name", event.name}, {"subject", event.subject}});
+      Json line = {{"kind", "event"}, {"t", event.time}, {"name", event.name}, {"subject", event.subject}};
+      if (!event.shapes.empty()) line["shapes"] = event.shapes;
+      put(line);
     }
     Json tick = {
         {"kind", "tick"}, {"tick", selection.simulation().get_tick()}, {"t", selection.simulation().get_time()}};
     tick.update(
         build_outputs_json(selection.reader(), selection.scenario().model, selection.due(), selection.values()));
     put(tick);
+  }
+
+  void add_contact(const hil::ContactRecord& contact) override {
+    for (const hil::Touch& touch : contact.list)
+      put({{"kind", "touch"},
+           {"contact", contact.name},
+           {"t", touch.time},
+           {"lift", touch.lift ? Json(*touch.lift) : Json(nullptr)},
+           {"duration", touch.duration},
+           {"shapes", touch.pairs},
+           {"peak_force", touch.peak_force},
+           {"peak_t", touch.peak_time},
+           {"depth", touch.depth},
+           {"impulse", touch.impulse}});
   }
 
   void end(const ExportEnd& end) override {

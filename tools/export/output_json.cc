@@ -48,6 +48,9 @@ Json build_outputs_json(const hil::OutputReader& reader, const Model& model, std
       case Kind::kSensor:
         json["sensors"][output.of] = to_json(own);
         break;
+      case Kind::kReceived:
+        json["received"][output.of] = to_json(own);
+        break;
       case Kind::kSignal:
         json["signals"][output.of] = own[0];
         break;

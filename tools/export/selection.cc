@@ -21,12 +21,14 @@ std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> 
 }
 
 Selection::Selection(const hil::Scenario& scenario, const hil::Simulation& simulation,
-                     std::vector<hil::SelectedOutputs> groups, std::int64_t last_tick)
+                     std::vector<hil::SelectedOutputs> groups, std::int64_t last_tick, hil::SensorsShown shown,
+                     const hil::RunAnalysis* analysis)
     : scenario_(scenario),
       simulation_(simulation),
-      reader_(scenario, simulation),
+      reader_(scenario, simulation, shown),
       groups_(std::move(groups)),
       last_tick_(last_tick),
+      analysis_(analysis),
       is_due_(reader_.list().size()),
       values_(reader_.count_values()) {
   std::set<std::size_t> all;
@@ -34,13 +36,19 @@ Selection::Selection(const hil::Scenario& scenario, const hil::Simulation& simul
   outputs_.assign(all.begin(), all.end());
 }
 
-bool Selection::look(const StepReport& report) {
+bool Selection::look(const StepReport& report, std::span<const hil::EventMessage> session) {
   if (events_are_out_) events_.clear();
   events_are_out_ = false;
+  if (analysis_ != nullptr)
+    while (seen_ < analysis_->timeline.size()) events_.push_back(analysis_->timeline[seen_++]);
   for (const FiredEvent& fired : report.events) {
+    if (analysis_ != nullptr) break;
     const unlatch::Event& event = scenario_.model.events[static_cast<std::size_t>(fired.event)];
     events_.push_back({fired.time, event.name, event.subject});
   }
+  for (const hil::EventMessage& event : session)
+    events_.push_back({event.time, std::string(hil::get_name(event.name)), std::string(hil::get_name(event.subject))});
+  if (!session.empty()) std::ranges::stable_sort(events_, {}, &hil::TimelineEntry::time);
   return begin_tick(out_tick_ < 0 || simulation_.get_tick() == last_tick_);
 }
 

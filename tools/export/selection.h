@@ -22,20 +22,24 @@ std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> 
 
 class Selection {
  public:
-  // A group goes out at its ticks; the first tick and `last_tick` have every group. Scenario and simulation
-  // must outlive it.
+  // A group goes out at its ticks; the first tick and `last_tick` have every group. Scenario, simulation and analysis
+  // must outlive it. The analysis, if there is one, is updated before each look(), and gives the shapes of touches.
   Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups,
-            std::int64_t last_tick);
+            std::int64_t last_tick, hil::SensorsShown shown = hil::SensorsShown::kSampled,
+            const hil::RunAnalysis* analysis = nullptr);
 
-  // At every state, with what the step that led there reported: whether this tick goes out.
-  bool look(const StepReport& report);
+  // At every state, with what the step that led there reported, and the events of the session since the state before:
+  // whether this tick goes out.
+  bool look(const StepReport& report, std::span<const hil::EventMessage> session = {});
+  // Before look(): see OutputReader.
+  void set_received(std::span<const hil::LogReceived> received) { reader_.set_received(received); }
   // The last state of a run that ended early goes out with every group: false if it has gone out already.
   bool look_at_end();
 
   [[nodiscard]] const hil::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const hil::Simulation& simulation() const { return simulation_; }
   [[nodiscard]] const hil::OutputReader& reader() const { return reader_; }
-  // Since the tick that went out before.
+  // Of the model and of the session, since the tick that went out before; in the order of their times.
   [[nodiscard]] const std::vector<hil::TimelineEntry>& events() const { return events_; }
   // Outputs of all groups, ascending; and those that are due at the tick that goes out.
   [[nodiscard]] const std::vector<std::size_t>& outputs() const { return outputs_; }
@@ -54,6 +58,8 @@ class Selection {
   hil::OutputReader reader_;
   const std::vector<hil::SelectedOutputs> groups_;
   const std::int64_t last_tick_;
+  const hil::RunAnalysis* const analysis_;
+  std::size_t seen_ = 0;  // entries of its timeline
   std::vector<std::size_t> outputs_, due_;
   std::vector<bool> is_due_;
   std::vector<double> values_;

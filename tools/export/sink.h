@@ -24,6 +24,8 @@ class Sink {
   Sink& operator=(const Sink&) = delete;
   virtual void begin(const Selection& selection, const hil::LogHeader& header) = 0;
   virtual void add_tick(const Selection& selection) = 0;
+  // The touches of a contact, after the last tick. Tables have no place for them.
+  virtual void add_contact(const hil::ContactRecord&) {}
   virtual void end(const ExportEnd& end) = 0;
 
  protected:

@@ -55,7 +55,8 @@ class Table {
     }
     std::string events;
     for (const hil::TimelineEntry& event : selection.events())
-      events += (events.empty() ? "" : "; ") + event.name + (event.subject.empty() ? "" : " " + event.subject);
+      events += (events.empty() ? "" : "; ") + event.name + (event.subject.empty() ? "" : " " + event.subject) +
+                (event.shapes.empty() ? "" : " (" + event.shapes + ")");
     to.text(events);
   }
 

@@ -33,7 +33,7 @@ std::string encode_base64(const std::vector<T>& values) {
 
 }  // namespace
 
-FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values)
+FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values, std::size_t received_count)
     : joints(bodies + kBodyColumns * scenario.model.bodies.size()),
       loads(joints + kJointColumns * scenario.model.joints.size()),
       pairs(loads + scenario.model.loads.size()),
@@ -49,18 +49,22 @@ FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_value
     modal.push_back(width);
     if (body.flexible) width += static_cast<std::size_t>(body.flexible->frequencies.size());
   }
+  received = width;
+  received_values = received_count;
+  width += received_values;
 }
 
 FrameRecorder::FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation,
-                             const hil::RunAnalysis& analysis)
+                             const hil::RunAnalysis& analysis, hil::SensorsShown shown)
     : scenario_(scenario),
       simulation_(simulation),
       analysis_(analysis),
-      layout_(scenario, simulation.workspace().sensors.size()) {}
+      layout_(scenario, simulation.workspace().sensors.size(),
+              shown == hil::SensorsShown::kSampled ? 0 : simulation.get_sensors().size()) {}
 
-void FrameRecorder::look(const StepReport& report) {
+void FrameRecorder::look(const StepReport& report, std::span<const hil::LogReceived> received) {
   ++seen_;
-  recent_.push_back(take());
+  recent_.push_back(take(received));
   if (!report.events.empty() && pinned_ < kMostPinned) {
     for (Frame& frame : recent_) pinned_ += std::exchange(frame.pinned, true) ? 0 : 1;
     pin_until_ = recent_.back().tick + kAround;
@@ -89,7 +93,7 @@ void FrameRecorder::thin() {
   for (std::size_t i = 1; i + 1 < kept_.size(); i += 2) kept_[i].pinned = false;
 }
 
-FrameRecorder::Frame FrameRecorder::take() const {
+FrameRecorder::Frame FrameRecorder::take(std::span<const hil::LogReceived> received) const {
   const unlatch::State& state = simulation_.state();
   Frame frame{state.header->tick, state.bodies[0].p, std::vector<float>(layout_.width), false};
   float* to = frame.values.data();
@@ -117,6 +121,11 @@ FrameRecorder::Frame FrameRecorder::take() const {
   for (std::size_t i = 0; i < scenario_.requirements.size(); ++i)
     frame.values[layout_.requirements + i] = static_cast<float>(analysis_.get_requirement_now(i));
   take_modal(frame.values.data());
+  to = frame.values.data() + layout_.received;
+  for (std::size_t i = 0; i < layout_.received_values; ++i) to[i] = static_cast<float>(simulation_.get_sensors()[i]);
+  for (const hil::LogReceived& one : received)
+    if (one.value >= 0 && static_cast<std::size_t>(one.value) < layout_.received_values)
+      to[one.value] = static_cast<float>(one.received);
   return frame;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/run/analysis/run_analysis.h"
+#include "hil/run/recording/log_format.h"
 
 namespace unlatch::tools {
 
@@ -27,11 +28,13 @@ namespace unlatch::tools {
 //   contact  F_n (N), |F_t| (N), depth (m), slip (m/s)
 //   requirement   the present value of its quantity, in its unit; NaN outside its interval
 //   modal    of flexible bodies, in the model's order: the modal coordinates
+//   received the values of the sensors that flight software had, if the recording has them
 struct FrameLayout {
-  FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values);
+  FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values, std::size_t received_count);
   std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, one_sided, contacts, requirements,
               width;
   std::vector<std::size_t> modal;  // per body: its first modal column
+  std::size_t received = 0, received_values = 0;
 };
 inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3,
                              kOneSidedColumns = 6, kContactColumns = 4;
@@ -39,10 +42,12 @@ inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPoin
 class FrameRecorder {
  public:
   // All three must outlive it; the analysis is updated before each look().
-  FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation, const hil::RunAnalysis& analysis);
+  FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
+                hil::SensorsShown shown = hil::SensorsShown::kSampled);
 
-  // At every state, with what its step reported.
-  void look(const StepReport& report);
+  // At every state, with what its step reported. `received`: sensor values that flight software has otherwise than they
+  // were sampled.
+  void look(const StepReport& report, std::span<const hil::LogReceived> received = {});
   // After the last look(): thins out what was kept until it takes at most `budget` bytes, and writes it down.
   [[nodiscard]] nlohmann::ordered_json build_json(std::size_t budget);
 
@@ -55,7 +60,7 @@ class FrameRecorder {
     std::vector<float> values;
     bool pinned = false;
   };
-  [[nodiscard]] Frame take() const;
+  [[nodiscard]] Frame take(std::span<const hil::LogReceived> received) const;
   void take_loads(float* to) const;
   void take_points(float* to) const;
   void take_springs(float* to) const;

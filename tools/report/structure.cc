@@ -172,9 +172,8 @@ Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
   return list;
 }
 
-Json build_sensors(const Model& model, const FrameLayout& layout) {
+Json build_sensors(const Model& model, std::size_t column) {
   Json list = Json::array();
-  std::size_t column = layout.sensors;
   for (const Sensor& sensor : model.sensors) {
     const auto width = static_cast<std::size_t>(sensor_width(sensor.kind));
     list.push_back({{"name", sensor.name},
@@ -199,7 +198,8 @@ Json build_requirements(const hil::Scenario& scenario, const FrameLayout& layout
 nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil::RunAnalysis& analysis,
                                        const FrameLayout& layout) {
   const Model& model = scenario.model;
-  Json channels = Json::array(), points = Json::array();
+  Json channels = Json::array(), points = Json::array(), ground = Json::array();
+  for (const hil::BodyShape& part : scenario.ground_shapes) ground.push_back(build_shape_json(part));
   for (std::size_t i = 0; i < model.channels.size(); ++i) {
     const Channel& channel = model.channels[i];
     channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"column", layout.channels + i}});
@@ -212,6 +212,7 @@ nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil:
                       {"column", layout.points + kPointColumns * i}});
   }
   return {{"gravity", to_json(model.gravity.uniform)},
+          {"ground_shapes", ground},
           {"bodies", build_bodies(scenario, layout)},
           {"joints", build_joints(scenario, analysis, layout)},
           {"loads", build_loads(model, layout)},
@@ -221,7 +222,8 @@ nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil:
           {"pairs", build_pairs(analysis, layout)},
           {"pairs_in_all", analysis.clearances().size()},
           {"channels", channels},
-          {"sensors", build_sensors(model, layout)},
+          {"sensors", build_sensors(model, layout.sensors)},
+          {"received", layout.received_values > 0 ? build_sensors(model, layout.received) : Json::array()},
           {"points", points},
           {"requirements", build_requirements(scenario, layout)}};
 }

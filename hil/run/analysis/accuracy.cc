@@ -85,11 +85,13 @@ double find_largest(const RunAnalysis& analysis, std::size_t joint, int first) {
 // A force is compared with the joint's forces; a moment with its moments, or its forces times their arm: what is zero
 // but for rounding limits nothing.
 void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
-  double largest_force = 0, largest_moment = 0;
+  double largest_force = 0, largest_moment = 0, longest = 0;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    longest = std::max(longest, calc_arm(model.joints[j]));
     largest_force = std::max(largest_force, find_largest(analysis, j, kX));
     largest_moment = std::max(largest_moment, find_largest(analysis, j, kRotX));
   }
+  largest_moment = std::max(largest_moment, largest_force * longest);  // a structure that forces alone load has some, too
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const double force = std::max(find_largest(analysis, j, kX), kUnloaded * largest_force);
     const double moment =

@@ -11,6 +11,7 @@ struct AnalysisRequest {
   bool reactions = true;   // peak reactions
   bool redundancy = true;  // reactions that are not unique, and the times at which they are not
   bool pushes = true;      // impulse and work of the springs that separate assemblies
+  bool touches = true;     // each touch of a contact, beside the whole
 };
 
 }  // namespace unlatch::hil

@@ -39,7 +39,7 @@ MassProperties calc_properties(const Body& body, double time, double burnt) {
 
 }  // namespace
 
-Assemblies::Assemblies(const Model& model, const State& state) : roots_(model.bodies.size() + 1) {
+Assemblies::Assemblies(const Model& model, const State& state, Holding holding) : roots_(model.bodies.size() + 1) {
   std::iota(roots_.begin(), roots_.end(), 0);
   const auto find = [&](int i) {
     while (roots_[static_cast<std::size_t>(i)] != i) i = roots_[static_cast<std::size_t>(i)];
@@ -51,7 +51,8 @@ Assemblies::Assemblies(const Model& model, const State& state) : roots_(model.bo
   };
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
-    if (joint.modes[static_cast<std::size_t>(state.joints[i].mode)].rows != 0) unite(joint.base, joint.follower);
+    const RowSet rows = joint.modes[static_cast<std::size_t>(state.joints[i].mode)].rows;
+    if (holding == Holding::kAny ? rows != 0 : rows == (kPointRows | kRotationRows)) unite(joint.base, joint.follower);
   }
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     if (model.bodies[b].marker) unite(model.bodies[b].marker->body, static_cast<int>(b));

@@ -8,10 +8,14 @@
 
 namespace unlatch::hil {
 
+// Joints that hold an assembly together: those with any row; or those with all six, whose bodies cannot move relative to
+// one another.
+enum class Holding { kAny, kRigid };
+
 // Assemblies of a state: bodies connected by joints with active rows, or a flexible body and its markers, are in one.
 class Assemblies {
  public:
-  Assemblies(const Model& model, const State& state);
+  Assemblies(const Model& model, const State& state, Holding holding = Holding::kAny);
 
   [[nodiscard]] bool are_joined(int a, int b) const { return get(a) == get(b); }
   // Bodies of the assembly that contains `body`, kGround included, in ascending order.

@@ -10,7 +10,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       simulation_(simulation),
       request_(request),
       clearance_(scenario),
-      contacts_(scenario, simulation),
+      contacts_(scenario, simulation, request.touches),
       peaks_(scenario.model.joints.size()),
       requirements_(scenario, clearance_, contacts_),
       separations_(scenario, request.pushes),
@@ -29,7 +29,7 @@ void RunAnalysis::update(const StepReport& report) {
 
   if (report.substeps == 0) {
     clearance_.begin(simulation_.get_time(), simulation_.state().bodies);
-    contacts_.begin(simulation_.state());
+    contacts_.begin(simulation_.get_time(), simulation_.state());
     peaks_.begin(simulation_.get_time(), simulation_.workspace().multipliers);
   } else {
     add_motion(report.events);
@@ -70,17 +70,32 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
     }
     contacts_.add_events(from, to);
     std::size_t count = 0;
-    while (count < events.size() && events[count].time == to.time) add_event(events[count++], to);
+    while (count < events.size() && events[count].time == to.time) add_event(events[count++], from, to);
     separations_.add_events(from, to, clearance_);
     requirements_.add_events(events.first(count), from, to);
     events = events.subspan(count);
   }
 }
 
-void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& after) {
+// Of the touch or lift of a contact, the pairs of shapes that close or open.
+std::string RunAnalysis::list_shapes(const Event& event, const MotionKnot& before, const MotionKnot& after) const {
+  const std::vector<Contact>& contacts = scenario_.model.contacts;
+  const bool touches = event.name == "touch";
+  if (!touches && event.name != "lift") return {};
+  const auto found = std::ranges::find(contacts, event.subject, &Contact::name);
+  if (found == contacts.end()) return {};
+  const auto number = static_cast<std::size_t>(found - contacts.begin());
+  std::string text;
+  for (const std::string& pair : touches ? contacts_.list_closing(before.state, after.state, number)
+                                         : contacts_.list_closing(after.state, before.state, number))
+    text += (text.empty() ? "" : ", ") + pair;
+  return text;
+}
+
+void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& before, const MotionKnot& after) {
   const Model& model = scenario_.model;
   const Event& event = model.events[static_cast<std::size_t>(fired.event)];
-  timeline.push_back({fired.time, event.name, event.subject});
+  timeline.push_back({fired.time, event.name, event.subject, list_shapes(event, before, after)});
   for (const Action& action : event.then) {
     if (action.kind != Action::Kind::kSetMode) continue;
     const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];

@@ -25,6 +25,7 @@ namespace unlatch::hil {
 struct TimelineEntry {
   double time = 0;  // s
   std::string name, subject;
+  std::string shapes = {};  // of the touch or lift of a contact: the pairs of shapes that close or open
 };
 
 // Release of a body: its state at the instant at which a joint to it became free.
@@ -76,7 +77,8 @@ class RunAnalysis {
 
  private:
   void add_motion(std::span<const FiredEvent> events);
-  void add_event(const FiredEvent& fired, const MotionKnot& after);
+  [[nodiscard]] std::string list_shapes(const Event& event, const MotionKnot& before, const MotionKnot& after) const;
+  void add_event(const FiredEvent& fired, const MotionKnot& before, const MotionKnot& after);
   void update_shared(const StepReport& report);
 
   const Scenario& scenario_;

@@ -30,16 +30,25 @@ void SeparationMonitor::add_events(const MotionKnot& before, const MotionKnot& a
     changed = changed || before.state.joints[i].mode != after.state.joints[i].mode;
   if (changed) {
     const Assemblies was(model_, before.state), now(model_, after.state);
+    const Assemblies rigid(model_, after.state, Holding::kRigid);
     for (Track& track : tracks_) {
       Separation& pair = track.separation;
-      if (track.over || !now.are_joined(pair.base.body, pair.follower.body)) continue;
+      const int a = pair.base.body, b = pair.follower.body;
+      if (track.over || !now.are_joined(a, b)) continue;
+      if (pair.indirect && !are_connected(after.state, rigid, a, b)) continue;
       track.over = pair.rejoined = true;
-      clearances.join(now.list(pair.base.body));
+      std::vector<int> joined = pair.indirect ? pair.base.bodies : now.list(a);
+      if (pair.indirect) joined.insert(joined.end(), pair.follower.bodies.begin(), pair.follower.bodies.end());
+      clearances.join(joined);
     }
     for (std::size_t i = 0; i < model_.joints.size(); ++i) {
       const Joint& joint = model_.joints[i];
-      if (!was.are_joined(joint.base, joint.follower) || now.are_joined(joint.base, joint.follower)) continue;
-      if (before.state.joints[i].mode != after.state.joints[i].mode) open(i, now, after, clearances);
+      if (before.state.joints[i].mode == after.state.joints[i].mode) continue;
+      if (!was.are_joined(joint.base, joint.follower)) continue;
+      if (!now.are_joined(joint.base, joint.follower))
+        open(i, now, false, after, clearances);
+      else if (get_rows(before.state, i) != 0 && !are_connected(after.state, rigid, joint.base, joint.follower))
+        open(i, rigid, true, after, clearances);
     }
   }
   for (Track& track : tracks_) {
@@ -50,12 +59,27 @@ void SeparationMonitor::add_events(const MotionKnot& before, const MotionKnot& a
   }
 }
 
-void SeparationMonitor::open(std::size_t joint, const Assemblies& now, const MotionKnot& after,
+RowSet SeparationMonitor::get_rows(const State& state, std::size_t joint) const {
+  return model_.joints[joint].modes[static_cast<std::size_t>(state.joints[joint].mode)].rows;
+}
+
+bool SeparationMonitor::are_connected(const State& state, const Assemblies& rigid, int a, int b) const {
+  if (rigid.are_joined(a, b)) return true;
+  for (std::size_t i = 0; i < model_.joints.size(); ++i) {
+    const Joint& joint = model_.joints[i];
+    if (get_rows(state, i) == 0) continue;
+    if (rigid.are_joined(joint.base, a) && rigid.are_joined(joint.follower, b)) return true;
+    if (rigid.are_joined(joint.base, b) && rigid.are_joined(joint.follower, a)) return true;
+  }
+  return false;
+}
+
+void SeparationMonitor::open(std::size_t joint, const Assemblies& now, bool indirect, const MotionKnot& after,
                              ClearanceHistory& clearances) {
   const Joint& last = model_.joints[joint];
   for (Track& track : tracks_) {  // several joints between the same two open at this instant
     const Separation& other = track.separation;
-    if (other.release != after.time || track.over) continue;
+    if (other.release != after.time || other.indirect != indirect || track.over) continue;
     if (now.are_joined(other.base.body, last.base) && now.are_joined(other.follower.body, last.follower)) return;
     if (now.are_joined(other.base.body, last.follower) && now.are_joined(other.follower.body, last.base)) return;
   }
@@ -63,6 +87,7 @@ void SeparationMonitor::open(std::size_t joint, const Assemblies& now, const Mot
   Track& track = tracks_.emplace_back();
   Separation& pair = track.separation;
   pair.joint = last.name;
+  pair.indirect = indirect;
   pair.release = after.time;
   pair.base = {.body = last.base, .bodies = now.list(last.base), .rate = {}, .coning = {}};
   pair.follower = {.body = last.follower, .bodies = now.list(last.follower), .rate = {}, .coning = {}};

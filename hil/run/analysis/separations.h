@@ -1,5 +1,6 @@
 // Separations: pairs of assemblies that joints held together and no longer do, with the numbers by which a separation
-// is judged.
+// is judged. Two bodies that part while they are still joined through others, as two halves of a fairing that swing on
+// their hinges, are a pair too: its sides are what moves with each of them as one rigid body.
 //
 //   release        the instant at which the last joint between the two becomes free
 //   end of push    the instant at which the last spring or pusher between them ceases to act: a pusher at its free
@@ -47,6 +48,7 @@ struct Separation {
   double release = 0, end = 0;   // s
   bool pushes = false;           // a spring still acts at the end of the run
   bool rejoined = false;         // a joint has joined them again
+  bool indirect = false;         // at the release they were still joined through other bodies
   std::string axis;              // "+x of core"
   double along = 0, across = 0;  // m/s: velocity of the follower's centre of mass relative to the base's
   SplitRate relative;            // angular velocity of the follower relative to the base
@@ -73,7 +75,12 @@ class SeparationMonitor {
     std::vector<SpringWork::Sum> sums;
     bool over = false;  // the two are joined again
   };
-  void open(std::size_t joint, const Assemblies& now, const MotionKnot& after, ClearanceHistory& clearances);
+  // `now`: assemblies after the release; of an indirect pair the rigid ones.
+  void open(std::size_t joint, const Assemblies& now, bool indirect, const MotionKnot& after,
+            ClearanceHistory& clearances);
+  [[nodiscard]] RowSet get_rows(const State& state, std::size_t joint) const;
+  // True if some joint with rows connects the two rigid assemblies of these bodies.
+  [[nodiscard]] bool are_connected(const State& state, const Assemblies& rigid, int a, int b) const;
   static void set_end(Track& track, double time, std::span<const BodyState> bodies, std::span<const double> burnt);
   // Computes the numbers of the end of push.
   void measure(const Track& track, Separation& pair) const;

@@ -29,19 +29,20 @@ void add_overlap_findings(const Scenario& scenario, std::vector<Finding>& findin
   if (scenario.clearance.empty()) return;
   std::vector<Pose> poses;
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) poses.push_back(get_start_pose(model, b));
-  ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
+  ClearanceMonitor monitor(scenario.clearance, scenario.shapes, scenario.ground_shapes);
   monitor.update(0, poses);
   for (const Clearance& c : monitor.get()) {
     if (c.now > 0) continue;
+    const std::string where = quoted("body", model.bodies[at(c.b == kGround ? c.a : c.b)].name);
     if (c.method == DistanceMethod::kMesh && c.now == 0) {
-      findings.push_back({"overlap", quoted("body", model.bodies[at(c.b)].name),
+      findings.push_back({"overlap", where,
                           c.name_b + " touches or crosses " + c.name_a +
                               " at the start; their smallest clearance is 0: triangles have no depth. Leave out faces "
                               "that mate by `except`"});
       continue;
     }
     findings.push_back(
-        {"overlap", quoted("body", model.bodies[at(c.b)].name),
+        {"overlap", where,
          c.name_b + format(" touches or overlaps %s at the start, by %.4g m: their smallest clearance is that "
                            "or less. Leave out faces that mate by `except`",
                            c.name_a.c_str(), -c.now)});
@@ -70,13 +71,13 @@ void add_unwatched_overlap_findings(const Scenario& scenario, std::vector<Findin
     geometry::Placement place;
   };
   std::vector<Solid> solids;
-  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+  const auto get_name = [&](int body) { return body == kGround ? std::string("ground") : model.bodies[at(body)].name; };
+  for (int b = kGround; b < static_cast<int>(model.bodies.size()); ++b) {
     std::vector<geometry::Shape> shapes;
-    for (const BodyShape& shape : scenario.shapes[at(b)])
+    for (const BodyShape& shape : get_shapes(scenario, b))
       if (!shape.mesh) shapes.push_back(shape.shape);  // meshes have no depth
-    if (!shapes.empty())
-      solids.push_back(
-          {b, geometry::build_group(model.bodies[at(b)].name, shapes), to_placement(get_start_pose(model, b))});
+    const Pose pose = b == kGround ? Pose{} : get_start_pose(model, b);
+    if (!shapes.empty()) solids.push_back({b, geometry::build_group(get_name(b), shapes), to_placement(pose)});
   }
   std::size_t count = 0;
   for (std::size_t k = 0; k < solids.size(); ++k) {
@@ -92,7 +93,7 @@ void add_unwatched_overlap_findings(const Scenario& scenario, std::vector<Findin
           {"overlap", quoted("body", model.bodies[at(b.body)].name),
            format("lies %.4g m within '%s' at the start, to which nothing joins it: move one of them, or "
                   "make the shapes smaller",
-                  depth, model.bodies[at(a.body)].name.c_str())});
+                  depth, get_name(a.body).c_str())});
     }
   }
   if (count > kMost)

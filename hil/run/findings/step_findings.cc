@@ -72,7 +72,7 @@ void judge_contacts(const Model& model, const Simulation& simulation, double dt,
         describe_unresolved(reading.closed ? calc_rates(model, simulation.state(), contact, reading)
                                            : estimate_rates(model, contact, speed),
                             dt, get_most_contact_substeps(model));
-    const bool of_speed = !reading.closed && contact.exponent > 1;
+    const bool of_speed = !reading.closed && (contact.exponent > 1 || contact.friction > 0);
     if (!text.empty())
       findings.push_back({"contact", where, text + (of_speed ? format(" (for a blow of %.3g m/s)", speed) : "")});
   }

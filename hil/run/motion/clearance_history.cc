@@ -17,13 +17,13 @@ constexpr double kStill = 1e-10;
 }  // namespace
 
 ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
-    : skipping_(skipping), monitor_(scenario.clearance, scenario.shapes), now_(monitor_.get()), tracks_(now_.size()) {
+    : skipping_(skipping), monitor_(scenario.clearance, scenario.shapes, scenario.ground_shapes), now_(monitor_.get()), tracks_(now_.size()) {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].size = monitor_.get_size(i);
     tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
   }
-  places_.resize(scenario.model.bodies.size());
-  bodies_.resize(scenario.model.bodies.size());
+  places_.resize(scenario.model.bodies.size() + 1);  // the ground is the last
+  bodies_.resize(scenario.model.bodies.size() + 1);
   for (const Clearance& pair : now_)
     for (const int body : {pair.a, pair.b})
       if (!contains(watched_, body)) watched_.push_back(body);
@@ -82,7 +82,7 @@ double ClearanceHistory::get_limit(std::size_t pair) const {
 bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const {
   const Track& track = tracks_[pair];
   const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
-  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
   const double h = piece.to - piece.from;
   const double speed = std::max(norm(piece.start[b].v - piece.start[a].v), norm(piece.end[b].v - piece.end[a].v));
   const double increase =
@@ -104,7 +104,7 @@ const ClearanceHistory::Place& ClearanceHistory::get_end(const MotionPiece& piec
 // Notes that the distance has been computed at the end of the piece.
 void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair, double value) {
   Track& track = tracks_[pair];
-  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
   track.reference = track.latest;
   track.between = piece.end[b].p - piece.end[a].p;
   track.turned_a = bodies_[a].turned;
@@ -124,7 +124,7 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
     track.stale = true;
     return true;
   }
-  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
   const double h = piece.to - piece.from;
   if (!window.is_smooth() || !track.followed) {
     track.latest =
@@ -202,21 +202,23 @@ void ClearanceHistory::publish(std::size_t pair) {
 }
 
 void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
+  const auto get = [&](int body) { return body == kGround ? get_rest() : bodies[static_cast<std::size_t>(body)]; };
   for (std::size_t i = 0; i < now_.size(); ++i) {
     Track& track = tracks_[i];
-    track.at_a = to_placement(bodies[static_cast<std::size_t>(now_[i].a)]);
-    track.at_b = to_placement(bodies[static_cast<std::size_t>(now_[i].b)]);
+    const BodyState at_a = get(now_[i].a), at_b = get(now_[i].b);
+    track.at_a = to_placement(at_a);
+    track.at_b = to_placement(at_b);
     const double value = monitor_.calc(i, track.at_a, track.at_b).least.distance;
     track.whole.add(time, value);
     track.value = value;
     track.moved = 0;
     track.idle = track.stale = false;
-    const auto a = static_cast<std::size_t>(now_[i].a), b = static_cast<std::size_t>(now_[i].b);
-    track.between = bodies[b].p - bodies[a].p;
+    const auto a = get_index(now_[i].a), b = get_index(now_[i].b);
+    track.between = at_b.p - at_a.p;
     track.turned_a = bodies_[a].turned;
     track.turned_b = bodies_[b].turned;
     const Spatial none{{0, 0, 0}, {0, 0, 0}};
-    track.reference = calc_relative(i, get_place(bodies[a], none), get_place(bodies[b], none));
+    track.reference = calc_relative(i, get_place(at_a, none), get_place(at_b, none));
     track.tie = value;
     now_[i].tie = {.from = time, .to = time, .count = 1};
     if (value <= 0) now_[i].touch = time;
@@ -253,7 +255,7 @@ void ClearanceHistory::add(const MotionWindow& window) {
   window_ = &window;
   const double h = piece.to - piece.from;
   for (const int body : watched_) {
-    const auto b = static_cast<std::size_t>(body);
+    const std::size_t b = get_index(body);
     const double speed = std::max(norm(piece.start[b].w), norm(piece.end[b].w));
     const double increase = std::max(norm(piece.at_start[b].ang), norm(piece.at_end[b].ang));
     bodies_[b] = {.turned = bodies_[b].turned + (2 * speed * h + increase * (h * h)), .fresh = false};
@@ -293,6 +295,7 @@ void ClearanceHistory::release(double time, const std::vector<int>& a, const std
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Clearance& pair = now_[i];
     if (!((contains(a, pair.a) && contains(b, pair.b)) || (contains(a, pair.b) && contains(b, pair.a)))) continue;
+    if (tracks_[i].after_release) continue;  // they parted earlier, while still joined through others
     refresh(i);
     tracks_[i].after_release = true;
     tracks_[i].release_time = time;

@@ -77,6 +77,10 @@ class ClearanceHistory {
     bool after_release = false;
     double release_time = 0;
   };
+  // Place of a body, or of the ground, in places_, bodies_ and the pieces of a window.
+  [[nodiscard]] std::size_t get_index(int body) const {
+    return body == kGround ? bodies_.size() - 1 : static_cast<std::size_t>(body);
+  }
   void add_value(std::size_t pair, double time, double value);
   void refresh(std::size_t pair) const;
   static Place get_place(const BodyState& body, const Spatial& acceleration);

@@ -6,8 +6,24 @@
 namespace unlatch::hil {
 namespace {
 
+using geometry::ShapeKind;
+
 void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
+}
+
+// Shapes of the pairs that State::contacts has of a contact: those of the base, with each of them those of the follower.
+std::vector<std::pair<int, int>> list_pairs(const Model& model, const Contact& contact) {
+  const std::vector<geometry::Shape>& base = model.surfaces[static_cast<std::size_t>(contact.base)].shapes;
+  const std::vector<geometry::Shape>& follower = model.surfaces[static_cast<std::size_t>(contact.follower)].shapes;
+  std::vector<std::pair<int, int>> pairs;
+  for (int i = 0; i < static_cast<int>(base.size()); ++i)
+    for (int k = 0; k < static_cast<int>(follower.size()); ++k) {
+      const ShapeKind a = base[static_cast<std::size_t>(i)].kind, b = follower[static_cast<std::size_t>(k)].kind;
+      const bool excepted = std::ranges::find(contact.except, std::pair(i, k)) != contact.except.end();
+      if (!excepted && geometry::has_distance(a, b)) pairs.emplace_back(i, k);
+    }
+  return pairs;
 }
 
 }  // namespace
@@ -15,9 +31,12 @@ void copy(const State& from, const State& to) {
 ContactHistory::Scratch::Scratch(const Plan& plan)
     : block(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(block))) {}
 
-ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simulation)
-    : simulation_(simulation), present_(simulation.plan()), previous_(simulation.plan()) {
-  for (const Contact& contact : scenario.model.contacts) tracks_.emplace_back().record.name = contact.name;
+ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simulation, bool touches)
+    : scenario_(scenario), simulation_(simulation), touches_(touches), present_(simulation.plan()), previous_(simulation.plan()) {
+  for (const Contact& contact : scenario.model.contacts) {
+    tracks_.emplace_back().record.name = contact.name;
+    pairs_.push_back(list_pairs(scenario.model, contact));
+  }
 }
 
 bool ContactHistory::is_closed(const State& state, std::size_t contact) const {
@@ -25,9 +44,54 @@ bool ContactHistory::is_closed(const State& state, std::size_t contact) const {
   return std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; });
 }
 
-void ContactHistory::begin(const State& state) {
-  for (std::size_t i = 0; i < tracks_.size(); ++i)
+std::vector<std::string> ContactHistory::list_closing(const State& before, const State& after,
+                                                      std::size_t contact) const {
+  const int number = static_cast<int>(contact);
+  const Contact& own = scenario_.model.contacts[contact];
+  const std::span<const ContactState> was = get_contact_pairs(simulation_.plan(), before, number);
+  const std::span<const ContactState> is = get_contact_pairs(simulation_.plan(), after, number);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < is.size(); ++i) {
+    if (is[i].closed == 0 || (&before != &after && was[i].closed != 0)) continue;
+    const auto [base, follower] = pairs_[contact].at(i);
+    names.push_back(name_surface_shape(scenario_, own.base, base) + " – " +
+                    name_surface_shape(scenario_, own.follower, follower));
+  }
+  return names;
+}
+
+void ContactHistory::begin(double time, const State& state) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].record.closed = tracks_[i].record.closed_at_start = is_closed(state, i);
+    if (!tracks_[i].record.closed) continue;
+    open_touch(tracks_[i], i, time, state, state);
+    if (tracks_[i].kept) tracks_[i].record.list.back().at_start = true;
+  }
+}
+
+// `before`: the state just before, or `state` itself for one that no step produced.
+void ContactHistory::open_touch(Track& track, std::size_t contact, double time, const State& before,
+                                const State& state) {
+  track.kept = touches_ && track.record.list.size() < ContactRecord::kMostTouches;
+  if (!track.kept) return;
+  track.own_force = track.own_depth = Smallest();
+  track.impulse = get_contact_totals(simulation_.plan(), state, static_cast<int>(contact)).impulse;
+  Touch& touch = track.record.list.emplace_back();
+  touch.time = time;
+  touch.pairs = list_closing(before, state, contact);
+}
+
+// Sets the results of a touch that ends, or that is asked for before its end.
+void ContactHistory::close_touch(Track& track, int contact, Touch& touch) const {
+  if (window_ != nullptr && !track.fresh) {
+    track.own_force.finish([&](double time) { return -calc(*window_, contact, time).normal; });
+    track.own_depth.finish([&](double time) { return -calc(*window_, contact, time).depth; });
+  }
+  touch.impulse = track.record.totals.impulse - track.impulse;
+  if (!track.own_force.has_value()) return;
+  touch.peak_force = -track.own_force.get_value();
+  touch.peak_time = track.own_force.get_time();
+  touch.depth = -track.own_depth.get_value();
 }
 
 void ContactHistory::add_events(const MotionKnot& before, const MotionKnot& after) {
@@ -35,15 +99,27 @@ void ContactHistory::add_events(const MotionKnot& before, const MotionKnot& afte
     Track& track = tracks_[i];
     ContactRecord& record = track.record;
     const bool was = is_closed(before.state, i), is = is_closed(after.state, i);
+    if (was && is && track.kept)
+      for (std::string& name : list_closing(before.state, after.state, i)) {
+        std::vector<std::string>& pairs = record.list.back().pairs;
+        if (std::ranges::find(pairs, name) == pairs.end()) pairs.push_back(std::move(name));
+      }
     if (was == is) continue;
     record.closed = is;
-    track.fresh = true;
     if (is) {
+      track.fresh = true;
       ++record.touches;
       if (!record.touch) record.touch = after.time;
+      open_touch(track, i, after.time, before.state, after.state);
     } else {
       record.lift = after.time;
       finish(track, static_cast<int>(i));
+      if (track.kept) {
+        record.list.back().lift = after.time;
+        close_touch(track, static_cast<int>(i), record.list.back());
+      }
+      track.fresh = true;
+      track.kept = false;
     }
   }
 }
@@ -98,6 +174,17 @@ void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, con
                     [&](double time) { return -calc(window, contact, time).normal; });
     track.depth.add(from.time, -at_from.depth, to.time, -at_to.depth, begins,
                     [&](double time) { return -calc(window, contact, time).depth; });
+    if (track.kept) {
+      if (begins && !track.fresh) {
+        track.own_force.finish([&](double time) { return -calc(*window_, contact, time).normal; });
+        track.own_depth.finish([&](double time) { return -calc(*window_, contact, time).depth; });
+      }
+      track.own_force.add(from.time, -at_from.normal, to.time, -at_to.normal, begins,
+                          [&](double time) { return -calc(window, contact, time).normal; });
+      track.own_depth.add(from.time, -at_from.depth, to.time, -at_to.depth, begins,
+                          [&](double time) { return -calc(window, contact, time).depth; });
+      track.record.list.back().duration += to.time - from.time;
+    }
     track.record.duration += to.time - from.time;
     track.fresh = false;
   }
@@ -114,6 +201,7 @@ std::vector<ContactRecord> ContactHistory::list() const {
       track.record.peak_time = track.force.get_time();
       track.record.depth = -track.depth.get_value();
     }
+    if (track.record.closed && track.kept) close_touch(track, static_cast<int>(i), track.record.list.back());
     records.push_back(track.record);
   }
   return records;

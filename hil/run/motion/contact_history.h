@@ -14,6 +14,17 @@
 
 namespace unlatch::hil {
 
+// One touch of a contact: from the instant at which some pair of its shapes closes to that at which all are open.
+struct Touch {
+  bool at_start = false;                   // it was closed when the run began
+  double time = 0;                         // s
+  std::optional<double> lift;              // s; none: it is still closed
+  double duration = 0;                     // s
+  double peak_force = 0, peak_time = 0;    // F_n, N; s
+  double depth = 0, impulse = 0;           // m; N s
+  std::vector<std::string> pairs;          // "sat.foot – floor.top", in the order in which they close
+};
+
 struct ContactRecord {
   std::string name;
   bool closed_at_start = false, closed = false;  // closed: at the end of the run
@@ -23,13 +34,19 @@ struct ContactRecord {
   double peak_force = 0, peak_time = 0;          // F_n, N; s
   double depth = 0;                              // largest, m
   ContactTotals totals;                          // N s, m, J
+  std::vector<Touch> list;                       // the first kMostTouches
+  static constexpr std::size_t kMostTouches = 1000;
 };
 
 class ContactHistory {
  public:
-  ContactHistory(const Scenario& scenario, const Simulation& simulation);
+  // `touches`: keep each touch, beside the whole.
+  ContactHistory(const Scenario& scenario, const Simulation& simulation, bool touches = true);
 
-  void begin(const State& state);  // Begins at the state of the start.
+  void begin(double time, const State& state);  // Begins at the state of the start.
+  // Names of the pairs of a contact that close between two knots of one instant.
+  [[nodiscard]] std::vector<std::string> list_closing(const State& before, const State& after,
+                                                      std::size_t contact) const;
   // Adds events that acted between two knots of one instant.
   void add_events(const MotionKnot& before, const MotionKnot& after);
   // Adds the piece between these knots, to which the window has moved.
@@ -48,12 +65,20 @@ class ContactHistory {
     ContactRecord record;
     Smallest force, depth;  // minima of the negatives
     bool fresh = true;      // no piece yet since the contact closed
+    Smallest own_force{}, own_depth{};  // of the present touch
+    double impulse = 0;                 // N s, total at its beginning
+    bool kept = false;                  // the present touch is the last of the list
   };
+  void open_touch(Track& track, std::size_t contact, double time, const State& before, const State& state);
+  void close_touch(Track& track, int contact, Touch& touch) const;
   [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
   void finish(Track& track, int contact) const;
 
+  const Scenario& scenario_;
   const Simulation& simulation_;
+  const bool touches_;
   std::vector<Track> tracks_;
+  std::vector<std::vector<std::pair<int, int>>> pairs_;  // by contact: shapes of its surfaces
   const MotionWindow* window_ = nullptr;
   // Scratch: states of the window's pieces, for which pairs are closed in them.
   struct Scratch {

@@ -77,7 +77,7 @@ BodyState MotionPiece::calc_body(std::size_t body, double time) const {
 void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   const MotionPiece& before = pieces_[present_];
   const auto same = [](const auto& a, const auto& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+    return a.size() == b.size() + 1 && std::memcmp(a.data(), b.data(), b.size() * sizeof(b[0])) == 0;
   };
   smooth_ = begun_ && before.to == from.time && same(before.end, from.state.bodies) &&
             same(before.at_end, from.accelerations);
@@ -104,7 +104,9 @@ MotionWindow::Place& MotionWindow::keep(const MotionKnot& knot) {
   Place& place = places_[next_];
   next_ = (next_ + 1) % places_.size();
   place.bodies.assign(knot.state.bodies.begin(), knot.state.bodies.end());
+  place.bodies.push_back(get_rest());
   place.accelerations.assign(knot.accelerations.begin(), knot.accelerations.end());
+  place.accelerations.push_back({{0, 0, 0}, {0, 0, 0}});
   return place;
 }
 

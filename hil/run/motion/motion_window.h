@@ -14,7 +14,7 @@ namespace unlatch::hil {
 // A smooth piece of motion between two knots; its window stores the data.
 struct MotionPiece {
   double from = 0, to = 0;                        // s
-  std::span<const BodyState> start{}, end{};      // by body
+  std::span<const BodyState> start{}, end{};      // by body; the last is the ground
   std::span<const Spatial> at_start{}, at_end{};  // accelerations of the origins, world axes
   // Pose and velocity at a time between the two.
   [[nodiscard]] BodyState calc_body(std::size_t body, double time) const;

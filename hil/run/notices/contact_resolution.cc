@@ -69,13 +69,13 @@ double calc_least_mobility(const Model& model, const Contact& contact) {
 
 ContactRates estimate_rates(const Model& model, const Contact& contact, double speed) {
   const double mobility = calc_least_mobility(model, contact);
-  double stiffness = contact.stiffness;
-  if (contact.exponent > 1) {
-    // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic impact
-    const double energy = speed * speed / (2 * mobility);
-    stiffness *= 1.5 * std::sqrt(std::pow(2.5 * energy / contact.stiffness, 0.4));
-  }
-  return {std::sqrt(stiffness * mobility), 0};
+  // ½ m v² = k δ^(n+1) / (n+1) at the greatest depth of an elastic impact
+  const double n = contact.exponent, energy = speed * speed / (2 * mobility);
+  const double depth = std::pow((n + 1) * energy / contact.stiffness, 1 / (n + 1));
+  const double slope = contact.exponent > 1 ? contact.stiffness * n * std::pow(depth, n - 1) : contact.stiffness;
+  // Friction stops the slip the fastest where it is slow and the force the greatest.
+  const double force = contact.stiffness * std::pow(depth, n);
+  return {std::sqrt(slope * mobility), contact.friction * force * mobility / contact.slip_speed};
 }
 
 std::string describe_unresolved(const ContactRates& rates, double dt, int parts) {

@@ -22,7 +22,7 @@ struct ContactRates {
 // Rates of a contact in its present state.
 ContactRates calc_rates(const Model& model, const State& state, const Contact& contact, const ContactReading& reading);
 
-// Rates of a blow in the middle of both bodies. For n = 1.5 they depend on its speed.
+// Rates of a blow in the middle of both bodies. For n = 1.5, and those of friction, they depend on its speed.
 ContactRates estimate_rates(const Model& model, const Contact& contact, double speed);
 // Sum of the inverse masses of a contact's two bodies, 1/kg: the mobility of a blow in the middle of both.
 double calc_least_mobility(const Model& model, const Contact& contact);

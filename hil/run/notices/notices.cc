@@ -39,7 +39,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
     : scenario_(scenario),
       simulation_(simulation),
       dt_(simulation.plan().get_options().dt),
-      unresolved_(scenario.model),
+      unresolved_(scenario.model, simulation.plan()),
       turning_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
       sticking_(static_cast<std::size_t>(scenario.model.element_count())),
@@ -265,9 +265,11 @@ void NoticeWatch::watch_contacts() {
     const double gained = impulse - impulses_[i];
     impulses_[i] = impulse;
     ContactRates rates = calc_rates(scenario_.model, simulation_.state(), contact, reading);
-    // A blow that began and ended within the step: its impulse changed the speed by what it came with, or more.
+    // A blow that began and ended within the step: its impulse changed the speed by what it came with, or more. How fast
+    // it slipped is not known.
     if (!reading.closed && gained > 0)
-      rates = estimate_rates(scenario_.model, contact, gained * calc_least_mobility(scenario_.model, contact));
+      rates = {
+          estimate_rates(scenario_.model, contact, gained * calc_least_mobility(scenario_.model, contact)).omega, 0};
     const double size = dt_ / parts * rates.calc_need();
     if (!(size > 1)) continue;
     report(

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hil/scenario/model/index.h"
+#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -27,6 +28,28 @@ bool is_timed(const Model& model, const EventName& name) {
   return !name.is_named() || name.event == kNone || model.events[at(name.event)].when.kind == Condition::Kind::kTime;
 }
 
+// Bodies on whose motion a law depends; every body where its quantities do not name them.
+std::vector<int> list_read_bodies(const Model& model, const unlatch::Law& law) {
+  using Kind = unlatch::Quantity::Kind;
+  std::vector<int> bodies;
+  for (const LawStep& step : law.steps) {
+    if (step.kind != LawStep::Kind::kQuantity) continue;
+    const unlatch::Quantity& quantity = model.quantities[at(step.subject)];
+    std::vector<int> read;
+    if (quantity.kind == Kind::kTime || quantity.kind == Kind::kCommand) continue;
+    if (quantity.kind >= Kind::kPosition && quantity.kind <= Kind::kAxes)
+      read = list_pair(quantity.subject, quantity.other);
+    else if (quantity.kind >= Kind::kAcceleration && quantity.kind <= Kind::kBurnt)
+      read = {quantity.subject};
+    else if (quantity.kind >= Kind::kDisplacement && quantity.kind <= Kind::kReactionMoment)
+      read = list_pair(model.joints[at(quantity.subject)].base, model.joints[at(quantity.subject)].follower);
+    else
+      return list_all_bodies(model);
+    bodies.insert(bodies.end(), read.begin(), read.end());
+  }
+  return bodies;
+}
+
 }  // namespace
 
 std::vector<int> list_contact_bodies(const Model& model, int contact) {
@@ -40,7 +63,8 @@ std::vector<int> list_all_bodies(const Model& model) {
   return bodies;
 }
 
-UnresolvedBodies::UnresolvedBodies(const Model& model) : model_(model), bodies_(model.bodies.size()) {}
+UnresolvedBodies::UnresolvedBodies(const Model& model, const Plan& plan)
+    : model_(model), plan_(plan), bodies_(model.bodies.size()) {}
 
 void UnresolvedBodies::add(std::span<const int> bodies, const std::string& cause, double time, const State& state) {
   bool is_new = false;
@@ -54,17 +78,53 @@ void UnresolvedBodies::add(std::span<const int> bodies, const std::string& cause
   if (is_new) spread(state, time);
 }
 
+// Pairs of bodies that joints or acting elements connect now; those with the ground have one body.
+std::vector<std::vector<int>> UnresolvedBodies::list_links(const State& state, double time) const {
+  std::vector<std::vector<int>> links;
+  const auto link_joint = [&](int joint) {
+    links.push_back(list_pair(model_.joints[at(joint)].base, model_.joints[at(joint)].follower));
+  };
+  for (std::size_t j = 0; j < model_.joints.size(); ++j)
+    if (model_.joints[j].modes[at(static_cast<int>(state.joints[j].mode))].rows != 0) link_joint(static_cast<int>(j));
+  const auto acts = [&](std::size_t element) { return calc_scale(state.elements[element], time) != 0; };
+  for (std::size_t i = 0; i < model_.loads.size(); ++i) {
+    const Load& load = model_.loads[i];
+    if (load.profile.law == kNone || !acts(i)) continue;
+    for (const int body : list_read_bodies(model_, model_.laws[at(load.profile.law)]))
+      links.push_back(list_pair(body, load.body));
+  }
+  std::size_t element = model_.loads.size();
+  for (const PointSpring& spring : model_.point_springs)
+    if (acts(element++)) links.push_back(list_pair(spring.base, spring.follower));
+  for (const JointSpring& spring : model_.joint_springs)
+    if (acts(element++)) link_joint(spring.joint);
+  for (const PlaneTorsion& torsion : model_.plane_torsions)
+    if (acts(element++)) links.push_back(list_pair(torsion.base, torsion.follower));
+  for (std::size_t i = 0; i < model_.contacts.size(); ++i) {
+    const std::span<const ContactState> pairs = get_contact_pairs(plan_, state, static_cast<int>(i));
+    const bool closed = std::ranges::any_of(pairs, [](const ContactState& pair) { return pair.closed != 0; });
+    if (acts(element++) && closed) links.push_back(list_contact_bodies(model_, static_cast<int>(i)));
+  }
+  for (std::size_t i = 0; i < model_.one_sided.size(); ++i) {
+    const OneSided& force = model_.one_sided[i];
+    if (!acts(element++) || state.engaged[i] == 0) continue;
+    if (force.joint != kNone)
+      link_joint(force.joint);
+    else
+      links.push_back(list_pair(force.base, force.follower));
+  }
+  return links;
+}
+
 void UnresolvedBodies::spread(const State& state, double time) {
   if (is_empty()) return;
+  const std::vector<std::vector<int>> links = list_links(state, time);
   for (bool changes = true; changes;) {
     changes = false;
-    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
-      const Joint& joint = model_.joints[j];
-      if (joint.base == kGround || joint.follower == kGround ||
-          joint.modes[at(static_cast<int>(state.joints[j].mode))].rows == 0)
-        continue;
-      Entry& base = bodies_[at(find_carrier(model_, joint.base))];
-      Entry& follower = bodies_[at(find_carrier(model_, joint.follower))];
+    for (const std::vector<int>& link : links) {
+      if (link.size() < 2) continue;
+      Entry& base = bodies_[at(find_carrier(model_, link[0]))];
+      Entry& follower = bodies_[at(find_carrier(model_, link[1]))];
       if ((base.time == kNever) == (follower.time == kNever)) continue;
       if (base.time == kNever)
         base = {time, follower.cause};

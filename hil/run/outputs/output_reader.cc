@@ -26,11 +26,11 @@ bool is_of_element(Kind kind) { return kind >= Kind::kElementForce && kind <= Ki
 
 }  // namespace
 
-OutputReader::OutputReader(const Scenario& scenario, const Simulation& simulation)
+OutputReader::OutputReader(const Scenario& scenario, const Simulation& simulation, SensorsShown shown)
     : scenario_(scenario),
       simulation_(simulation),
-      list_(list_outputs(scenario)),
-      clearances_(scenario.clearance, scenario.shapes),
+      list_(list_outputs(scenario, shown)),
+      clearances_(scenario.clearance, scenario.shapes, scenario.ground_shapes),
       poses_(scenario.model.bodies.size()) {
   const Model model = place_markers(scenario.model);
   for (std::size_t i = 0; i < model.joints.size(); ++i) joints_.emplace_back(model, static_cast<int>(i));
@@ -68,6 +68,8 @@ void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> 
       read_contact(output, reading, own);
     } else if (output.kind == Kind::kSensor) {
       put(simulation_.workspace().sensors.subspan(first_sensor_value_[at(output.subject)], own.size()), own);
+    } else if (output.kind == Kind::kReceived) {
+      read_received(output, own);
     } else if (output.kind == Kind::kQuantity) {
       own[0] = simulation_.workspace().quantities[at(output.subject)];
     } else if (output.kind == Kind::kSignal) {
@@ -168,6 +170,15 @@ void OutputReader::read_element(const Output& output, std::span<double> to) cons
     default:
       to[0] = reading.length;
   }
+}
+
+// The values as last sampled, which a State carries, but for those that were recorded as others.
+void OutputReader::read_received(const Output& output, std::span<double> to) const {
+  const std::size_t first = first_sensor_value_[at(output.subject)];
+  put(simulation_.get_sensors().subspan(first, to.size()), to);
+  for (const LogReceived& one : received_)
+    if (one.value >= 0 && at(one.value) >= first && at(one.value) < first + to.size())
+      to[at(one.value) - first] = one.received;
 }
 
 void OutputReader::read_contact(const Output& output, const ContactReading& reading, std::span<double> to) const {

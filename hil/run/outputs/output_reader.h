@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/run/motion/joint_frame.h"
+#include "hil/run/recording/log_format.h"
 #include "hil/run/simulation/simulation.h"
 #include "hil/scenario/outputs.h"
 #include "hil/scenario/scenario.h"
@@ -18,7 +19,10 @@ namespace unlatch::hil {
 class OutputReader {
  public:
   // Keeps references to both.
-  OutputReader(const Scenario& scenario, const Simulation& simulation);
+  OutputReader(const Scenario& scenario, const Simulation& simulation, SensorsShown shown = SensorsShown::kSampled);
+
+  // Sets the sensor values that flight software has at the present state and that were not sampled.
+  void set_received(std::span<const LogReceived> received) { received_.assign(received.begin(), received.end()); }
 
   [[nodiscard]] const std::vector<Output>& list() const { return list_; }
   [[nodiscard]] std::size_t count_values() const { return hil::count_values(list_); }
@@ -39,6 +43,7 @@ class OutputReader {
   // `reading`: for outputs of contacts.
   void read_contact(const Output& output, const ContactReading& reading, std::span<double> to) const;
   void read_element(const Output& output, std::span<double> to) const;
+  void read_received(const Output& output, std::span<double> to) const;
   void update_clearances();
 
   const Scenario& scenario_;
@@ -46,6 +51,7 @@ class OutputReader {
   const std::vector<Output> list_;
   std::vector<JointGeometry> joints_;
   std::vector<std::size_t> first_sensor_value_;  // by sensor
+  std::vector<LogReceived> received_;
   ClearanceMonitor clearances_;
   std::vector<Pose> poses_;
 };

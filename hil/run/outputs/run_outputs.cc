@@ -5,9 +5,9 @@
 namespace unlatch::hil {
 
 RunOutputs::RunOutputs(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples,
-                       const std::vector<OutputGroup>& groups)
+                       const std::vector<OutputGroup>& groups, SensorsShown shown)
     : simulation_(simulation),
-      reader_(scenario, simulation),
+      reader_(scenario, simulation, shown),
       sample_ticks_(std::move(samples)),
       values_(reader_.count_values()) {
   std::ranges::sort(sample_ticks_);
@@ -15,7 +15,8 @@ RunOutputs::RunOutputs(const Scenario& scenario, const Simulation& simulation, s
   last_rows_.assign(series_.size(), -1);
 }
 
-void RunOutputs::look() {
+void RunOutputs::look(std::span<const LogReceived> received) {
+  reader_.set_received(received);
   const std::int64_t tick = simulation_.get_tick();
   const bool first = last_tick_ < 0;
   last_tick_ = tick;

@@ -5,7 +5,25 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kChangeBytes = 4 + 4 + 4 + 8 + 8;
+constexpr std::size_t kChangeBytes = 4 + 4 + 4 + 8 + 8, kReceivedBytes = 4 + 8;
+void put(ByteWriter& out, const std::vector<LogReceived>& list) {
+  out.put_u32(static_cast<std::uint32_t>(list.size()));
+  for (const LogReceived& one : list) {
+    out.put_i32(one.value);
+    out.put_f64(one.received);
+  }
+}
+
+bool get(ByteReader& in, std::vector<LogReceived>& list) {
+  list.clear();
+  const std::size_t count = in.get_u32();
+  if (count > in.get_remaining() / kReceivedBytes) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t value = in.get_i32();
+    list.push_back({value, in.get_f64()});
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -27,6 +45,7 @@ void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
   for (const std::string& text : record.overrides) out.put_text(text);
   out.put_u32(static_cast<std::uint32_t>(record.start.size()));
   for (const std::uint64_t word : record.start) out.put_i64(static_cast<std::int64_t>(word));
+  out.put_u32(record.has_received ? 1 : 0);
 }
 
 bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
@@ -50,8 +69,9 @@ bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
   for (std::uint32_t i = 0; i < count && in.get_remaining() > 0; ++i) record.overrides.push_back(in.get_text());
   const std::size_t words = in.get_u32();
   record.start.clear();
-  if (record.overrides.size() != count || in.get_remaining() != 8 * words) return false;
+  if (record.overrides.size() != count || in.get_remaining() != 8 * words + 4) return false;
   for (std::size_t i = 0; i < words; ++i) record.start.push_back(static_cast<std::uint64_t>(in.get_i64()));
+  record.has_received = in.get_u32() != 0;
   return in.is_complete();
 }
 
@@ -69,6 +89,7 @@ void encode(const LogTick& record, std::vector<std::uint8_t>& to) {
     out.put_i64(change.sequence);
     out.put_f64(change.value);
   }
+  put(out, record.received);
 }
 
 bool decode(std::span<const std::uint8_t> from, LogTick& record) {
@@ -78,7 +99,7 @@ bool decode(std::span<const std::uint8_t> from, LogTick& record) {
   record.unrecorded = in.get_i64();
   const std::size_t count = in.get_u32();
   record.changes.clear();
-  if (count * kChangeBytes != in.get_remaining()) return false;
+  if (count > in.get_remaining() / kChangeBytes) return false;
   for (std::size_t i = 0; i < count; ++i) {
     LogChange change;
     change.channel = in.get_i32();
@@ -90,7 +111,7 @@ bool decode(std::span<const std::uint8_t> from, LogTick& record) {
     change.value = in.get_f64();
     record.changes.push_back(change);
   }
-  return in.is_complete();
+  return get(in, record.received) && in.is_complete();
 }
 
 void encode(const TickTiming& record, std::vector<std::uint8_t>& to) {
@@ -125,6 +146,7 @@ void encode(const LogEnd& record, std::vector<std::uint8_t>& to) {
   out.put_i64(record.unrecorded);
   out.put_i64(record.states_unrecorded);
   out.put_text(record.message);
+  put(out, record.received);
   put(out, record.timing);
 }
 
@@ -140,6 +162,7 @@ bool decode(std::span<const std::uint8_t> from, LogEnd& record) {
   record.unrecorded = in.get_i64();
   record.states_unrecorded = in.get_i64();
   record.message = in.get_text();
+  if (!get(in, record.received)) return false;
   get(in, record.timing);
   return in.is_complete();
 }

@@ -23,12 +23,13 @@
 #include <vector>
 
 #include "hil/run/recording/log_file.h"
+#include "hil/scenario/outputs.h"
 #include "hil/session/messages/messages.h"
 #include "hil/session/realtime/timing_summary.h"
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kLogVersion = 5;
+inline constexpr std::int32_t kLogVersion = 6;
 inline constexpr std::string_view kHeaderChannel = "UNLATCH_LOG_HEADER";
 inline constexpr std::string_view kCheckpointChannel = "UNLATCH_LOG_CHECKPOINT";
 inline constexpr std::string_view kTickChannel = "UNLATCH_LOG_TICK";
@@ -50,7 +51,13 @@ struct LogHeader {
   std::string scenario_text;
   std::vector<std::string> overrides;  // PATH=VALUE, in order
   std::vector<std::uint64_t> start;    // Simulation::save() at first_tick; empty: the model's initial state
+  bool has_received = false;           // sensor values as flight software received them are recorded
 };
+
+// Sensors that outputs of a recording have.
+inline SensorsShown get_sensors_shown(const LogHeader& header) {
+  return header.has_received ? SensorsShown::kAlsoReceived : SensorsShown::kSampled;
+}
 
 enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2, kLateCommand = 3 };
 inline constexpr std::array<const char*, 4> kChangeCauseNames{"command", "policy", "fault", "late command"};
@@ -64,11 +71,19 @@ struct LogChange {
   double value = 0;
 };
 
+// Value of a sensor component that flight software had at a tick, where it is not the one that was sampled: a fault
+// has distorted it, or its State was dropped or is delayed.
+struct LogReceived {
+  std::int32_t value = 0;  // number of the component, in the order of the model's sensors
+  double received = 0;
+};
+
 struct LogTick {
   std::int64_t tick = 0;
   std::int64_t hash = 0;        // hash of the state at this tick
   std::int64_t unrecorded = 0;  // items lost so far, see LogEnd
   std::vector<LogChange> changes;
+  std::vector<LogReceived> received;  // all others are as sampled
 };
 
 struct LogEnd {
@@ -80,6 +95,7 @@ struct LogEnd {
   std::int64_t unrecorded = 0;         // items that found the recorder's ring full: not 0, and there is no replay
   std::int64_t states_unrecorded = 0;  // State messages lost in the same way; a replay does not need them
   std::string message;                 // reason of an unplanned end, for people
+  std::vector<LogReceived> received;   // at the end's tick, as in LogTick
   TimingSummary timing;
 };
 

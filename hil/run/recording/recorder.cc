@@ -110,6 +110,8 @@ void Recorder::write_message(const M& message) {
 void Recorder::write(const Item& item) {
   if (const auto* change = std::get_if<LogChange>(&item)) {
     record_.changes.push_back(*change);
+  } else if (const auto* received = std::get_if<LogReceived>(&item)) {
+    record_.received.push_back(*received);
   } else if (const auto* event = std::get_if<EventMessage>(&item)) {
     write_message(*event);
   } else if (const auto* timing = std::get_if<TickTiming>(&item)) {
@@ -125,6 +127,7 @@ void Recorder::write(const Item& item) {
     encode(record_, buffer_);
     writer_.append(std::llround(static_cast<double>(mark.tick) * us_per_tick_), kTickChannel, buffer_);
     record_.changes.clear();
+    record_.received.clear();
   }
 }
 

@@ -31,6 +31,7 @@ class Recorder {
   void state(const StateMessage& part) noexcept;
   void event(const EventMessage& event) noexcept { push(event); }
   void change(const LogChange& change) noexcept { push(change); }
+  void received(const LogReceived& received) noexcept { push(received); }
   void timing(const TickTiming& timing) noexcept { push(timing); }
   void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
 
@@ -49,7 +50,7 @@ class Recorder {
     std::int64_t tick, hash, lost;
     std::int32_t states;  // State messages in the other ring that belong before it
   };
-  using Item = std::variant<Mark, LogChange, EventMessage, TickTiming>;
+  using Item = std::variant<Mark, LogChange, LogReceived, EventMessage, TickTiming>;
 
   bool push(const Item& item) noexcept;
   void run(const std::stop_token& stopping);

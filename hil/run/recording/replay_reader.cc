@@ -69,7 +69,12 @@ void RecordingReader::keep_message() {
   EventMessage event;
   StateMessage state;
   if (event_.channel == get_channel(MessageKind::kEvent)) {
-    if (decode(event_.data, event) && is_notice(event)) notices.push_back(event);
+    if (!decode(event_.data, event) || !is_of_session(event)) return;
+    if (is_notice(event)) notices.push_back(event);
+    if (events.size() < kMostEvents)
+      events.push_back(event);
+    else
+      ++events_left_out;
   } else if (keeps_states && event_.channel == get_channel(MessageKind::kState)) {
     if (decode(event_.data, state) && is_well_formed(state)) states.push_back(state);
   }
@@ -90,6 +95,7 @@ bool RecordingReader::next(LogTick& tick) {
         return stop("tick " + std::to_string(tick.tick) + " follows tick " + std::to_string(next_tick_ - 1), true);
       }
       next_tick_ = tick.tick + 1;
+      received = tick.received;
       return true;
     }
     if (event_.channel == kEndChannel) {
@@ -97,6 +103,7 @@ bool RecordingReader::next(LogTick& tick) {
         end.reset();
         return stop("its last record at " + place + " cannot be read", true);
       }
+      received = end->received;
     } else {
       keep_message();
     }

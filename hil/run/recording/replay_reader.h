@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/run/recording/log_format.h"
@@ -29,6 +30,11 @@ class RecordingReader {
   std::string shortfall;
   bool damaged = false;               // the shortfall is damage, not a writer that was killed
   std::vector<EventMessage> notices;  // notices of participants, policies and faults so far
+  std::vector<EventMessage> events;   // all events of the session so far, but for those taken; at most kMostEvents
+  std::int64_t events_left_out = 0;   // those that found no place
+  std::vector<EventMessage> take_events() { return std::exchange(events, {}); }
+  static constexpr std::size_t kMostEvents = 100'000;
+  std::vector<LogReceived> received;  // at the tick that next() gave, or, at the end, at the end
   bool keeps_states = false;          // true: next() fills `states`
   std::vector<StateMessage>
       states;  // the State messages recorded for the tick that next() gave, or, at the end, for the end

@@ -104,6 +104,10 @@ void ScenarioReader::read_mass(YamlMap& map, Body& body) {
   } else {
     body.mass = map.number("mass", "kg");
     if (const YamlNode* inertia = map.require("inertia")) body.inertia = read_inertia(*inertia, mistakes_);
+    // A constant law: its body's origin is a point of the structure. At the origin itself it is an ordinary body.
+    const Eigen::Vector3d centre = map.vector("centre_of_mass", "m", Eigen::Vector3d::Zero());
+    if (!centre.isZero(0))
+      body.law.emplace(MassLaw{.of = MassLaw::Of::kTime, .knots = {{0, body.mass, centre, body.inertia}}});
   }
 }
 

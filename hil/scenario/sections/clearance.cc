@@ -38,9 +38,13 @@ bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
 
 }  // namespace
 
+std::string ScenarioReader::get_body_name(int body) const {
+  return body == kGround ? kGroundName : bodies_[static_cast<std::size_t>(body)];
+}
+
 ShapeSet ScenarioReader::get_shapes_of(int body) const {
-  ShapeSet set{.body = body, .name = bodies_[static_cast<std::size_t>(body)], .shapes = {}};
-  for (std::size_t i = 0; i < scenario_.shapes[static_cast<std::size_t>(body)].size(); ++i)
+  ShapeSet set{.body = body, .name = get_body_name(body), .shapes = {}};
+  for (std::size_t i = 0; i < get_shapes(scenario_, body).size(); ++i)
     set.shapes.push_back(static_cast<int>(i));
   return set;
 }
@@ -54,12 +58,16 @@ std::optional<ShapeSet> ScenarioReader::read_shape_set(const YamlNode& node) {
   const std::size_t dot = node.text.find('.');
   YamlNode body_node = node;
   body_node.text = node.text.substr(0, dot);
-  const int body = read_choice(body_node, "body", bodies_, mistakes_);
-  if (body < 0) return {};
+  const bool of_ground = body_node.text == kGroundName;
+  const int body = of_ground ? kGround : read_choice(body_node, "body", bodies_, mistakes_);
+  if (body < 0 && !of_ground) return {};
   ShapeSet set = get_shapes_of(body);
   if (set.shapes.empty()) {
-    mistakes_.add(node.mark, "body '" + bodies_[static_cast<std::size_t>(body)] + "' has no shape",
-                  "give it one; a clearance is between shapes");
+    if (of_ground)
+      mistakes_.add(node.mark, "the ground has no shape", "write `ground: {shape: [{name: floor, box: …}]}`");
+    else
+      mistakes_.add(node.mark, "body '" + get_body_name(body) + "' has no shape",
+                    "give it one; a clearance is between shapes");
     return {};
   }
   if (dot == std::string::npos) return set;
@@ -67,14 +75,14 @@ std::optional<ShapeSet> ScenarioReader::read_shape_set(const YamlNode& node) {
   std::vector<std::string> known;
   set.name = node.text;
   set.shapes.clear();
-  const std::vector<BodyShape>& shapes = scenario_.shapes[static_cast<std::size_t>(body)];
+  const std::vector<BodyShape>& shapes = get_shapes(scenario_, body);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (const std::string& name : {shapes[i].name, shapes[i].group})
       if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
     if (!part.empty() && (shapes[i].name == part || shapes[i].group == part)) set.shapes.push_back(static_cast<int>(i));
   }
   if (!set.shapes.empty()) return set;
-  mistakes_.add(node.mark, "unknown shape '" + part + "' of body '" + bodies_[static_cast<std::size_t>(body)] + "'",
+  mistakes_.add(node.mark, "unknown shape '" + part + "' of " + (of_ground ? "the ground" : "body '" + get_body_name(body) + "'"),
                 known.empty() ? "its shapes have no `name` and no `group`" : suggest(part, known));
   return {};
 }
@@ -105,7 +113,7 @@ std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& nod
 // Number of pairs of shapes that have a distance and are not excepted.
 std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
   const auto get_shape = [&](int body, int shape) -> const BodyShape& {
-    return scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)];
+    return get_shapes(scenario_, body)[static_cast<std::size_t>(shape)];
   };
   std::size_t count = 0;
   for (const int i : pair.a.shapes)
@@ -140,9 +148,10 @@ int ScenarioReader::watch(const ClearancePair& pair) {
 std::vector<ClearancePair> ScenarioReader::list_all_pairs() {
   std::vector<ClearancePair> pairs;
   const int count = static_cast<int>(bodies_.size());
-  const auto has_shape = [&](int body) { return !scenario_.shapes[static_cast<std::size_t>(body)].empty(); };
+  const auto has_shape = [&](int body) { return !get_shapes(scenario_, body).empty(); };
   for (int a = 0; a < count; ++a)
-    for (int b = a + 1; b < count; ++b) {
+    for (int k = a + 1; k <= count; ++k) {
+      const int b = k < count ? k : kGround;  // the ground is the last
       if (!has_shape(a) || !has_shape(b)) continue;
       const ClearancePair pair{.a = get_shapes_of(a), .b = get_shapes_of(b), .except = {}};
       if (count_distances(pair) > 0)

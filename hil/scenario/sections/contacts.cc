@@ -11,7 +11,7 @@ std::optional<ClearancePair> ScenarioReader::read_surface_pair(const YamlNode& n
   if (!pair) return pair;
   for (const ShapeSet* set : {&pair->a, &pair->b})
     for (const int shape : set->shapes) {
-      const BodyShape& own = scenario_.shapes[static_cast<std::size_t>(set->body)][static_cast<std::size_t>(shape)];
+      const BodyShape& own = get_shapes(scenario_, set->body)[static_cast<std::size_t>(shape)];
       if (!own.mesh) continue;
       mistakes_.add(
           node.mark,
@@ -31,8 +31,7 @@ int ScenarioReader::find_surface(const ShapeSet& set) {
   if (found != surfaces.end()) return static_cast<int>(found - surfaces.begin());
   Surface surface{set.name, set.body, {}};
   for (const int shape : set.shapes)
-    surface.shapes.push_back(
-        scenario_.shapes[static_cast<std::size_t>(set.body)][static_cast<std::size_t>(shape)].shape);
+    surface.shapes.push_back(get_shapes(scenario_, set.body)[static_cast<std::size_t>(shape)].shape);
   surfaces.push_back(std::move(surface));
   return static_cast<int>(surfaces.size()) - 1;
 }
@@ -96,7 +95,7 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
 bool ScenarioReader::is_of_lines(const ClearancePair& pair) const {
   const auto is_line = [&](int body, int shape) {
     const geometry::Shape& own =
-        scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)].shape;
+        get_shapes(scenario_, body)[static_cast<std::size_t>(shape)].shape;
     return own.kind == geometry::ShapeKind::kCapsule && own.radius == 0;
   };
   for (const int i : pair.a.shapes)
@@ -108,8 +107,8 @@ bool ScenarioReader::is_of_lines(const ClearancePair& pair) const {
 // Reports a pair of shapes on which a contact before this one acts as well: both would push.
 void ScenarioReader::report_shared_pairs(const ClearancePair& pair, const YamlNode& node) {
   const auto get_name = [&](int body, int shape) {
-    const BodyShape& own = scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)];
-    return bodies_[static_cast<std::size_t>(body)] + "." +
+    const BodyShape& own = get_shapes(scenario_, body)[static_cast<std::size_t>(shape)];
+    return get_body_name(body) + "." +
            (own.name.empty() ? "shape[" + std::to_string(shape) + "]" : own.name);
   };
   const auto has = [](const ClearancePair& of, int a, int i, int b, int k) {

@@ -45,6 +45,7 @@ class ScenarioReader {
 
   // Sections, in the order of reading: each may name items of those before it.
   void read_bodies(YamlMap& top);
+  void read_ground(YamlMap& top);
   void read_channels(YamlMap& top);
   void read_signals(YamlMap& top);
   void read_joints(YamlMap& top);
@@ -82,6 +83,8 @@ class ScenarioReader {
   void report_shape(const geometry::Shape& shape, const YamlNode& node);
 
   // Pairs of shapes. Functions that return nothing have noted a mistake.
+  static constexpr const char* kGroundName = "ground";
+  [[nodiscard]] std::string get_body_name(int body) const;  // or that of the ground
   [[nodiscard]] ShapeSet get_shapes_of(int body) const;
   std::optional<ShapeSet> read_shape_set(const YamlNode& node);
   std::optional<ClearancePair> read_two_sets(const YamlNode& node);      // two names, of different bodies

@@ -57,6 +57,15 @@ std::vector<BodyShape> ScenarioReader::read_shapes(const YamlNode& node) {
   return shapes;
 }
 
+// Reads shapes that are fixed in W.
+void ScenarioReader::read_ground(YamlMap& top) {
+  const YamlNode* const node = top.find("ground");
+  if (node == nullptr) return;
+  YamlMap map(*node, "the ground", mistakes_);
+  if (const YamlNode* shape = map.require("shape")) scenario_.ground_shapes = read_shapes(*shape);
+  map.finish();
+}
+
 BodyShape ScenarioReader::read_body_shape(const YamlNode& node) {
   BodyShape out;
   YamlMap map(node, "a shape", mistakes_);

@@ -62,8 +62,10 @@ geometry::Placement to_placement(const Pose& pose) {
 }
 
 ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
-                                   const std::vector<std::vector<BodyShape>>& shapes) {
+                                   const std::vector<std::vector<BodyShape>>& shapes,
+                                   const std::vector<BodyShape>& ground) {
   const auto get_shapes = [&](const ShapeSet& set) -> const std::vector<BodyShape>& {
+    if (set.body == kGround && !set.shapes.empty()) return ground;
     if (set.body < 0 || static_cast<std::size_t>(set.body) >= shapes.size() || set.shapes.empty())
       throw std::invalid_argument("clearance: " + set.name + " has no shape");
     return shapes[static_cast<std::size_t>(set.body)];
@@ -155,10 +157,12 @@ double ClearanceMonitor::get_size(std::size_t pair) const {
 }
 
 void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
+  const auto place = [&](int body) {
+    return to_placement(body == kGround ? Pose{} : poses.at(static_cast<std::size_t>(body)));
+  };
   for (std::size_t i = 0; i < clearances_.size(); ++i) {
     Clearance& clearance = clearances_[i];
-    const PairDistance found = calc(i, to_placement(poses.at(static_cast<std::size_t>(clearance.a))),
-                                    to_placement(poses.at(static_cast<std::size_t>(clearance.b))));
+    const PairDistance found = calc(i, place(clearance.a), place(clearance.b));
     clearance.now = found.least.distance;
     if (clearance.now <= 0 && !clearance.touch) clearance.touch = time;
     if (clearance.now < clearance.smallest) {

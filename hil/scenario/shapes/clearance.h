@@ -31,7 +31,7 @@ enum class DistanceMethod { kExact, kMesh };
 const char* get_method_name(DistanceMethod method);  // "exact", "mesh (triangles)"
 
 struct Clearance {
-  int a = 0, b = 0;            // bodies
+  int a = 0, b = 0;            // bodies, or kGround
   std::string name_a, name_b;  // "core", "core.skirt"
   DistanceMethod method = DistanceMethod::kExact;
   double now = std::numeric_limits<double>::infinity();       // m, at the last update
@@ -56,8 +56,10 @@ struct Clearance {
 // Distances of watched pairs. Excepted shapes are handled by dividing a pair into parts without them.
 class ClearanceMonitor {
  public:
-  // `shapes`: shapes of each body. Throws std::invalid_argument if a pair names an unknown shape, or has none.
-  ClearanceMonitor(const std::vector<ClearancePair>& pairs, const std::vector<std::vector<BodyShape>>& shapes);
+  // `shapes`: shapes of each body; `ground`: those fixed in W. Throws std::invalid_argument if a pair names an unknown
+  // shape, or has none.
+  ClearanceMonitor(const std::vector<ClearancePair>& pairs, const std::vector<std::vector<BodyShape>>& shapes,
+                   const std::vector<BodyShape>& ground = {});
 
   void update(double time, const std::vector<Pose>& poses);  // poses of all bodies, at `time`
   // Distance of a pair by its number, with its bodies at these placements. Computed from the place of one body relative

@@ -24,7 +24,7 @@ struct BodyShape {
 
 // Shapes of one body: all, one by its name, or a group.
 struct ShapeSet {
-  int body = 0;
+  int body = 0;             // or kGround
   std::string name;         // name in scenarios: "core", "core.skirt"
   std::vector<int> shapes;  // indices in Scenario::shapes[body], ascending
 };

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <optional>
 
+#include "hil/scenario/text/expression.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/yaml/scenario_error.h"
 
@@ -109,6 +110,33 @@ YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& m
   return node.items.back();
 }
 
+std::optional<Quantity> evaluate(const YamlNode& node, const Constants& constants) {
+  if (!node.is_scalar()) return std::nullopt;
+  try {
+    return evaluate_expression(node.text, constants);
+  } catch (const ExpressionError&) {  // the reader of the file reports it
+    return std::nullopt;
+  }
+}
+
+// Gives a plain number for a constant the SI unit of the value that it replaces, which expressions check.
+void keep_unit(const std::string& name, const YamlNode& root, YamlNode& value) {
+  const YamlNode* const section = root.find("constants");
+  if (section == nullptr || !section->is_mapping()) return;
+  Constants constants;
+  for (std::size_t i = 0; i < section->keys.size(); ++i) {
+    const std::optional<Quantity> old = evaluate(section->items[i], constants);
+    if (section->keys[i].text != name) {
+      if (old) constants[section->keys[i].text] = *old;
+      continue;
+    }
+    const std::optional<Quantity> given = evaluate(value, constants);
+    if (old && given && given->dimension.is_plain() && !old->dimension.is_plain())
+      value.text = "(" + value.text + ") " + describe_unit(old->dimension);
+    return;
+  }
+}
+
 }  // namespace
 
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root) {
@@ -123,6 +151,7 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
       refuse_misspelt(*node, part, mark);
     node = &step_into(*node, part, mark);
   }
+  if (parts.size() == 2 && parts[0] == "constants" && node->is_scalar()) keep_unit(parts[1], root, value);
   *node = std::move(value);
 }
 

@@ -1,7 +1,7 @@
 // Overrides, PATH=VALUE, of the command line or a scenario's `set`, put into a YAML tree before it is read, so that
 // they are checked like the file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`;
 // an entry of a list that has a name is reached by `.name`, or `.name:subject` where several share the name (events).
-// Missing keys are inserted.
+// Missing keys are inserted. A plain number for a constant of the file keeps the (SI) unit of that constant.
 #pragma once
 
 #include <string>

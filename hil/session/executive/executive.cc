@@ -20,6 +20,16 @@ constexpr std::int64_t kFinalInterval_ns = 5'000'000;
 
 }  // namespace
 
+// Calls take() for the sensor values that flight software has and that are not those sampled; only faults make them.
+template <class Take>
+void Executive::list_received(Take&& take) const noexcept {
+  if (options_.faults == nullptr) return;
+  const std::span<const double> received = options_.faults->get_received(), sampled = simulation_.get_sensors();
+  for (std::size_t i = 0; i < std::min(received.size(), sampled.size()); ++i)
+    if (!std::isnan(received[i]) && received[i] != sampled[i])
+      take(LogReceived{static_cast<std::int32_t>(i), received[i]});
+}
+
 Executive::Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
                      const ExecutiveOptions& options)
     : options_(options),
@@ -151,6 +161,7 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
 Executive::Next Executive::cycle() noexcept {
   // 1. Apply the commands of this tick.
   apply_commands();
+  list_received([this](const LogReceived& one) noexcept { recorder_.received(one); });
   recorder_.tick(simulation_.get_tick(), hash_);
 
   // 2. Step.
@@ -306,6 +317,7 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   end.hash = hash_;
   end.status = status;
   end.message = std::move(message);
+  list_received([&end](const LogReceived& one) { end.received.push_back(one); });
   end.timing = health_.summarize();
   return end;
 }

@@ -75,6 +75,8 @@ class Executive {
   Next pause(Participant& participant) noexcept;
   Next cycle() noexcept UNLATCH_NONBLOCKING;
   void apply_commands() noexcept UNLATCH_NONBLOCKING;
+  template <class Take>
+  void list_received(Take&& take) const noexcept;
   void begin_faults() noexcept;
   void publish(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
   Next account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;

@@ -95,10 +95,38 @@ void Publisher::publish_overrun(const Overrun& overrun) noexcept {
   publish(event, simulation_.get_tick() - 1, simulation_.get_time());
 }
 
-void Publisher::publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
-                                std::int64_t applied_tick) noexcept {
+// "refused.past_tick", or "command.late"; "fsw nozzle1". Nobody is sent it: the Verdict says the same.
+void Publisher::record_verdict(Reject reason, std::string_view from, std::int32_t channel) noexcept {
+  char text[2 * kNameLength], name[kNameLength];
+  char* end = text;
+  const auto add = [&end](std::string_view part) {
+    end = std::copy_n(part.begin(), std::min(part.size(), kNameLength - 1), end);
+  };
+  EventMessage event;
+  add(from);
+  const std::vector<Channel>& channels = simulation_.model().channels;
+  if (channel >= 0 && static_cast<std::size_t>(channel) < channels.size()) {
+    if (!from.empty()) add(" ");
+    add(channels[static_cast<std::size_t>(channel)].name);
+  }
+  set_name(event.subject, {text, static_cast<std::size_t>(end - text)});
+  end = name;
+  if (reason != Reject::kLate) add(kRefusedPrefix);
+  add(reason == Reject::kLate ? kLateCommand : get_text(reason));
+  set_name(event.name, {name, static_cast<std::size_t>(end - name)});
+  event.session = session_;
+  event.sequence = -1;
+  event.tick = simulation_.get_tick();
+  event.time = simulation_.get_time();
+  event.time_ns = std::llround(event.time * 1e9);
+  recorder_.event(event);
+}
+
+void Publisher::publish_verdict(Reject reason, std::string_view from, std::int32_t participant, std::int64_t refers_to,
+                                std::int32_t channel, std::int64_t applied_tick) noexcept {
   if (verdicts_left_ == 0) return;
   --verdicts_left_;
+  record_verdict(reason, from, channel);
   VerdictMessage verdict;
   verdict.refers_to = refers_to;
   verdict.applied_tick = applied_tick;

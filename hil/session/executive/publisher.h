@@ -41,9 +41,10 @@ class Publisher {
   // Sends the reactions of the latest step, all parts at once.
   void publish_reactions() noexcept;
 
-  // The answer to a message that was refused, or late. At most kVerdictsPerTick between two calls of begin_tick().
-  void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
-                       std::int64_t applied_tick) noexcept;
+  // The answer to a message that was refused, or late; recorded as an event. At most kVerdictsPerTick between two calls
+  // of begin_tick(). `from`: name of the sender; empty if it is not known.
+  void publish_verdict(Reject reason, std::string_view from, std::int32_t participant, std::int64_t refers_to,
+                       std::int32_t channel, std::int64_t applied_tick) noexcept;
   // Asks a participant for commands that it announced and that have not arrived: `count` from `first` on. Not counted.
   void publish_missing(std::int32_t participant, std::int64_t first, std::int64_t count) noexcept;
   void begin_tick() noexcept { verdicts_left_ = kVerdictsPerTick; }
@@ -59,6 +60,7 @@ class Publisher {
  private:
   void send_state_part(std::int32_t part, RunStatus status) noexcept;
   void send_verdict(VerdictMessage verdict) noexcept;
+  void record_verdict(Reject reason, std::string_view from, std::int32_t channel) noexcept;
   // `tick`: the step in which it happened.
   void publish(EventMessage& event, std::int64_t tick, double time) noexcept;
 

@@ -74,7 +74,8 @@ void Session::count_malformed() noexcept {
 void Session::handle(const HelloAckMessage& answer, std::int64_t) noexcept {
   const Handshake::Outcome outcome = handshake_.receive(answer, clock_.get_ns());
   if (outcome.reject) rejects_.add(*outcome.reject);
-  if (outcome.verdict) publisher_.publish_verdict(*outcome.reject, answer.participant, answer.sequence, -1, -1);
+  if (outcome.verdict)
+    publisher_.publish_verdict(*outcome.reject, get_name(answer.name), answer.participant, answer.sequence, -1, -1);
   if (outcome.restarted != nullptr) commands_.remove(*outcome.restarted);
   if (!outcome.notice.empty()) publisher_.publish_notice(outcome.notice, get_name(answer.name));
 }
@@ -87,12 +88,13 @@ void Session::handle(const CommandMessage& command, std::int64_t arrived_ns) noe
   const std::int64_t tick = simulation_.get_tick();
   const CommandQueue::Outcome outcome = commands_.add(command, sender, in_time ? tick : tick + 1);
   if (outcome.repeated) return;
+  const std::string_view from = sender != nullptr ? std::string_view(sender->name) : std::string_view();
   if (outcome.reason) {
-    publisher_.publish_verdict(*outcome.reason, command.participant, command.sequence, command.channel,
+    publisher_.publish_verdict(*outcome.reason, from, command.participant, command.sequence, command.channel,
                                outcome.applied_tick);
   }
   if (outcome.displaced) {
-    publisher_.publish_verdict(Reject::kNoPlace, command.participant, outcome.displaced->sequence,
+    publisher_.publish_verdict(Reject::kNoPlace, from, command.participant, outcome.displaced->sequence,
                                outcome.displaced->channel, -1);
   }
   const bool is_known = outcome.reason == Reject::kDuplicate || outcome.reason == Reject::kJump;

@@ -1,6 +1,7 @@
 #include "hil/session/faults/fault_injector.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "hil/session/messages/event_names.h"
 
@@ -60,7 +61,8 @@ std::uint64_t calc_identity(const Message& message, std::string_view from) noexc
 
 }  // namespace
 
-FaultInjector::FaultInjector(const FaultScript& script) : seed_(script.seed) {
+FaultInjector::FaultInjector(const FaultScript& script, std::size_t sensor_values)
+    : seed_(script.seed), received_(sensor_values, std::numeric_limits<double>::quiet_NaN()) {
   for (const Fault& fault : script.faults) {
     Active& active = faults_.emplace_back();
     active.fault = fault;
@@ -239,6 +241,13 @@ void FaultInjector::distort(StateMessage& state) noexcept {
       value = active.stuck[i];
     }
   }
+}
+
+void FaultInjector::note_sent(const StateMessage& state) noexcept {
+  if (state.part < 0) return;
+  const std::size_t first = static_cast<std::size_t>(state.part) * kSensorsPerPart;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state.sensor_count) && first + i < received_.size(); ++i)
+    received_[first + i] = state.sensors[i];
 }
 
 std::optional<double> FaultInjector::get_forced(std::size_t channel, double value) noexcept {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,8 @@ struct FaultNotice {
 
 class FaultInjector {
  public:
-  explicit FaultInjector(const FaultScript& script);
+  // `sensor_values`: number of components of all sensors.
+  explicit FaultInjector(const FaultScript& script, std::size_t sensor_values = 0);
 
   // Begins a tick: faults begin and end. `resume(participant)` is called for one whose freeze is over.
   template <class Resume>
@@ -54,6 +56,10 @@ class FaultInjector {
 
   // Distorts sensors that stick or are biased, in a State that is about to be sent.
   void distort(StateMessage& state) noexcept;
+  // Notes the sensor values of a State that is on its way to flight software now.
+  void note_sent(const StateMessage& state) noexcept;
+  // Sensor values of the latest State that has left, in the order of the model; NaN before the first.
+  [[nodiscard]] std::span<const double> get_received() const noexcept { return received_; }
   // Value at which a fault holds a channel; none without a fault. `value`: its present value, at which it may jam.
   [[nodiscard]] std::optional<double> get_forced(std::size_t channel, double value) noexcept;
 
@@ -107,6 +113,7 @@ class FaultInjector {
   std::int64_t tick_ = 0;
   std::array<std::vector<Held>, 2> held_;  // messages of each Direction
   std::array<Attempts, kCapacity> attempts_{};
+  std::vector<double> received_;
   std::vector<FaultNotice> notices_;
   std::size_t taken_ = 0;  // notices already taken
   std::int64_t malformed_ = 0, dropped_ = 0;

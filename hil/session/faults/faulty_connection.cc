@@ -18,7 +18,10 @@ bool FaultyConnection::send(const Message& message) noexcept {
 
 void FaultyConnection::send_due(std::int64_t now_ns) noexcept {
   std::int64_t arrived_ns = 0;
-  while (faults_.take(Direction::kOut, now_ns, out_, arrived_ns)) inner_.send(out_);
+  while (faults_.take(Direction::kOut, now_ns, out_, arrived_ns)) {
+    if (out_.kind == MessageKind::kState) faults_.note_sent(out_.state);
+    inner_.send(out_);
+  }
 }
 
 void FaultyConnection::collect() noexcept {

@@ -97,6 +97,7 @@ void CampaignReader::read_scenario(YamlMap& top, const std::vector<std::string>&
   const std::string name = read_text(*node, mistakes_);
   if (name.empty()) return mistakes_.add(node->mark, "no scenario is named", "write a path from this file");
   campaign_.scenario = fs::path(name).is_absolute() ? name : (fs::path(campaign_.folder) / name).string();
+  overrides_ = all;
   try {
     campaign_.tree = std::make_shared<ScenarioTree>(campaign_.scenario, all);
     const std::string absent = tell_absence(campaign_.tree->get_nominal().flight_software, "a campaign");
@@ -116,10 +117,13 @@ void CampaignReader::read_constants() {
       mistakes_.add_constant(constants->keys[i].text, *value);
 }
 
-// Dimension of the constant at the path: nothing else gives the unit of a number there.
-std::optional<Dimension> CampaignReader::find_dimension(const std::string& path) const {
+// Dimension of the number at the path: that of a constant, or of what the scenario's reader took it for.
+std::optional<Dimension> CampaignReader::find_dimension(const std::string& path) {
   for (const NamedConstant& constant : campaign_.tree->get_nominal().constants)
     if (path == "constants." + constant.name) return constant.value.dimension;
+  if (!numbers_) numbers_ = load_scenario(campaign_.scenario, overrides_).numbers;
+  for (const WrittenNumber& number : *numbers_)
+    if (number.path == path) return dimension_of(number.unit);
   return std::nullopt;
 }
 
@@ -211,17 +215,21 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
   parameter.mark = node.mark;
   const bool shared = map.boolean("shared", false);
   std::vector<MetPath> paths;
+  std::vector<std::size_t> columns;  // entry of the list that made each
   if (const YamlNode* path = map.require("path")) {
     std::vector<const YamlNode*> list;
     if (path->is_sequence())
       for (const YamlNode& item : path->items) list.push_back(&item);
     else
       list.push_back(path);
-    for (const YamlNode* item : list) try {
+    for (std::size_t k = 0; k < list.size(); ++k) try {
+        const YamlNode* const item = list[k];
         const std::string text = read_text(*item, mistakes_);
         if (item->is_scalar())
-          for (MetPath& met : expand_path(text, item->mark, campaign_.tree->get_root()))
+          for (MetPath& met : expand_path(text, item->mark, campaign_.tree->get_root())) {
             paths.push_back(std::move(met));
+            columns.push_back(k);
+          }
       } catch (const YamlError& e) {
         mistakes_.add(e.mark, e.what(), e.mend);
       }
@@ -236,8 +244,10 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
       return;
     }
     one.drawn = read_distribution(map, one, reading);
-    if (!reading.dimension) reading.dimension = find_dimension(first_path);
-    if (reading.dimension) one.unit = describe_unit(*reading.dimension);
+    const bool by_index = !one.choices.empty();
+    if (!reading.dimension && !by_index) reading.dimension = find_dimension(first_path);
+    if (reading.dimension && !by_index) one.unit = describe_unit(*reading.dimension);
+    if (!one.unit.empty() && reading.shown) one.shown = reading.shown;
     one.levels = read_levels(map, levels_);
     if (one.distribution.kind == Distribution::Kind::kDiscrete)
       one.levels = static_cast<int>(one.distribution.values.size());
@@ -246,6 +256,7 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
   };
   if (shared || paths.size() == 1) {
     for (const MetPath& met : paths) parameter.paths.push_back(met.path);
+    if (shared) parameter.columns = columns;
     if (!paths.empty()) add(parameter, paths[0].path);
   } else {
     const std::vector<std::string> places = name_places(paths);

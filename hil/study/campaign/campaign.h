@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/scenario/scenario_tree.h"
+#include "hil/scenario/text/written_unit.h"
 #include "hil/scenario/yaml/setting.h"
 #include "hil/study/evaluation/chosen_outputs.h"
 #include "hil/study/evaluation/step_search.h"
@@ -25,7 +26,9 @@ struct CampaignParameter {
   Distribution distribution;
   std::array<double, 3> direction{};  // axis of a cone
   std::vector<YamlNode> choices;      // discrete values other than numbers: the draw is the index of one
-  std::string unit;                   // unit of its numbers, SI: "kg m2", "" if the file gives none
+  std::vector<std::size_t> columns;   // of discrete rows: the column of each path; then `choices` has sequences
+  std::string unit;                   // unit of its numbers, SI: "kg m2", "" for plain numbers
+  std::optional<WrittenUnit> shown;   // unit in which the file gives them
   int levels = 0;                     // levels of a grid or of one-at-a-time
   SourceMark mark;
   bool drawn = true;  // false: the values come from a table
@@ -80,8 +83,12 @@ Campaign load_campaign_text(const std::string& text, const std::string& file, co
 // Names of the inputs, one for each number: a direction has three, "axis.x" and so on.
 struct InputColumn {
   std::string name, unit;
+  std::optional<WrittenUnit> shown{};
 };
 std::vector<InputColumn> list_inputs(const Campaign& campaign);
+
+// Unit in which the campaign's scenario gives the limits of a requirement, or a constant that is one.
+std::optional<WrittenUnit> find_shown_unit(const Campaign& campaign, const std::string& requirement);
 
 // Inputs of one sample, numbered from 0: they depend on the file, its seed and the number alone. For subset sampling
 // this holds for the first level only; the other levels follow from results (SampleSource), and the function throws

@@ -25,6 +25,12 @@ void correlate(const Campaign& campaign, std::vector<double>& point) {
   }
 }
 
+// Discrete value of a path: of a row the value in its column.
+const YamlNode& get_choice(const CampaignParameter& parameter, std::size_t path, std::size_t index) {
+  const YamlNode& choice = parameter.choices.at(index);
+  return parameter.columns.empty() ? choice : choice.items.at(parameter.columns[path]);
+}
+
 }  // namespace
 
 std::vector<InputColumn> list_inputs(const Campaign& campaign) {
@@ -33,9 +39,31 @@ std::vector<InputColumn> list_inputs(const Campaign& campaign) {
     if (parameter.distribution.is_cone())
       for (const char* axis : {".x", ".y", ".z"}) columns.push_back({parameter.name + axis, ""});
     else
-      columns.push_back({parameter.name, parameter.unit});
+      columns.push_back({parameter.name, parameter.unit, parameter.shown});
   }
   return columns;
+}
+
+std::optional<WrittenUnit> find_shown_unit(const Campaign& campaign, const std::string& requirement) {
+  const YamlNode& root = campaign.tree->get_root();
+  const auto find = [&](const YamlNode* node) -> std::optional<WrittenUnit> {
+    if (node == nullptr) return std::nullopt;
+    if (node->is_sequence()) node = node->items.empty() ? nullptr : node->items.data();
+    if (node == nullptr || !node->is_scalar()) return std::nullopt;
+    if (const auto unit = find_written_unit(node->text)) return unit;
+    const YamlNode* const constants = root.find("constants");
+    const YamlNode* const constant = constants != nullptr ? constants->find(node->text) : nullptr;
+    return constant != nullptr && constant->is_scalar() ? find_written_unit(constant->text) : std::nullopt;
+  };
+  const YamlNode* const list = root.find("requirements");
+  if (list == nullptr || !list->is_sequence()) return std::nullopt;
+  for (const YamlNode& item : list->items) {
+    const YamlNode* const id = item.find("id");
+    if (id == nullptr || !id->is_text(requirement)) continue;
+    for (const char* key : {"at_least", "at_most", "range"})
+      if (const auto unit = find(item.find(key))) return unit;
+  }
+  return std::nullopt;
 }
 
 std::vector<double> calc_inputs(const Campaign& campaign, const std::vector<double>& point_in) {
@@ -67,11 +95,12 @@ std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<d
   std::size_t at = 0;
   for (const CampaignParameter& parameter : campaign.parameters) {
     const std::size_t width = parameter.distribution.is_cone() ? 3 : 1;
-    for (const std::string& path : parameter.paths) {
+    for (std::size_t k = 0; k < parameter.paths.size(); ++k) {
+      const std::string& path = parameter.paths[k];
       if (width == 3)
         settings.push_back(make_setting(path, std::span<const double>(inputs).subspan(at, 3)));
       else if (!parameter.choices.empty())
-        settings.push_back({path, parameter.choices.at(static_cast<std::size_t>(inputs[at]))});
+        settings.push_back({path, get_choice(parameter, k, static_cast<std::size_t>(inputs[at]))});
       else
         settings.push_back(make_setting(path, inputs[at], parameter.unit));
     }

@@ -23,7 +23,7 @@ class CampaignReader {
   int read_levels(YamlMap& map, int fallback);
   void read_parameters(YamlMap& top);
   void read_parameter(const std::string& name, const YamlNode& node);
-  [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path) const;
+  [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path);
   void read_correlations(YamlMap& top);
   void read_table(YamlMap& top);
   void finish_plan(YamlMap& top);
@@ -42,6 +42,7 @@ class CampaignReader {
   struct Reading {  // of one parameter: its unit, and its value in the scenario
     const YamlNode* nominal = nullptr;
     std::optional<Dimension> dimension;
+    std::optional<WrittenUnit> shown;
   };
   bool read_distribution(YamlMap& map, CampaignParameter& to, Reading& reading);
   double read_value(YamlMap& map, const std::string& key, Reading& reading, std::optional<double> fallback = {});
@@ -55,6 +56,8 @@ class CampaignReader {
 
   Campaign& campaign_;
   Mistakes& mistakes_;
+  std::vector<std::string> overrides_;                       // of the scenario
+  std::optional<std::vector<WrittenNumber>> numbers_;        // of the scenario, once they are asked for
   std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and their parameters
   int levels_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/scenario/text/count.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/study/campaign/campaign_reader.h"
 #include "hil/scenario/random/normal.h"
@@ -30,6 +31,7 @@ double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading&
   }
   const auto quantity = read_quantity(*node, mistakes_);
   if (!quantity) return 0;
+  if (!reading.shown) reading.shown = find_written_unit(node->text);
   if (!quantity->dimension.is_plain()) {
     if (reading.dimension && !(*reading.dimension == quantity->dimension))
       mistakes_.add(node->mark,
@@ -99,7 +101,8 @@ void CampaignReader::read_triangular(const YamlNode& node, Distribution& to, Rea
 
 void CampaignReader::read_discrete(const YamlNode& node, CampaignParameter& to, Reading& reading) {
   YamlMap map(node, "discrete", mistakes_);
-  const YamlNode* const values = map.require("values");
+  const bool of_rows = map.only_one_of({"values", "rows"}, "values") == "rows";
+  const YamlNode* const values = map.find(of_rows ? "rows" : "values");
   const YamlNode* const weights = map.find("weights");
   map.finish();
   Distribution& distribution = to.distribution;
@@ -107,7 +110,18 @@ void CampaignReader::read_discrete(const YamlNode& node, CampaignParameter& to, 
   if (values == nullptr) return;
   if (!values->is_sequence() || values->items.empty())
     return mistakes_.add(values->mark, "no list of values", "write `values: [1, 2, 5]`");
-  const bool numbers = std::all_of(values->items.begin(), values->items.end(), [&](const YamlNode& item) {
+  if (of_rows) {
+    const std::size_t width = to.columns.empty() ? 0 : to.columns.back() + 1;
+    if (width < 2)
+      return mistakes_.add(values->mark, "rows for a single path", "a list of paths with `shared: true`, a path a column");
+    for (const YamlNode& row : values->items)
+      if (!row.is_sequence() || row.items.size() != width)
+        return mistakes_.add(row.mark, "not a row of " + hil::count(width, "value"),
+                             "one for each entry of `path`, in their order");
+  } else {
+    to.columns.clear();
+  }
+  const bool numbers = !of_rows && std::all_of(values->items.begin(), values->items.end(), [&](const YamlNode& item) {
     Mistakes trial(campaign_.file, {});
     for (const auto& [name, value] : mistakes_.constants()) trial.add_constant(name, value);
     return read_quantity(item, trial).has_value();
@@ -205,6 +219,7 @@ bool CampaignReader::read_distribution(YamlMap& map, CampaignParameter& to, Read
   if (kind == "normal" || kind == "lognormal") read_normal(node, kind == "lognormal", to.distribution, reading);
   if (kind == "triangular") read_triangular(node, to.distribution, reading);
   if (kind == "discrete") read_discrete(node, to, reading);
+  if (kind != "discrete") to.columns.clear();
   if (kind == "empirical") read_empirical(node, to);
   if (kind == "cone") read_cone(node, to, reading);
   return true;

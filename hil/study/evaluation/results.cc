@@ -159,7 +159,7 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
 AnalysisRequest list_needs(const std::vector<ResultColumn>& columns) {
   const bool has_peaks = std::any_of(columns.begin(), columns.end(),
                                      [](const ResultColumn& column) { return column.kind == Kind::kPeak; });
-  return {.accuracy = false, .reactions = has_peaks, .redundancy = false, .pushes = false};
+  return {.accuracy = false, .reactions = has_peaks, .redundancy = false, .pushes = false, .touches = false};
 }
 
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,

@@ -8,10 +8,11 @@
 
 namespace unlatch::hil {
 
-DispersedPoint::DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, bool check)
+DispersedPoint::DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, const OptimizeFlights& flights)
     : problem_(problem),
-      campaign_(make_campaign(*problem.campaign, make_settings(problem, point), check)),
-      evaluator_(*campaign_.tree) {
+      campaign_(make_campaign(*problem.campaign, make_settings(problem, point), flights)),
+      evaluator_(*campaign_.tree),
+      unresolved_(static_cast<std::size_t>(flights.samples)) {
   for (const OptimizeConstraint& constraint : problem.constraints)
     margins_.emplace_back(constraint.probability > 0 ? static_cast<std::size_t>(count_samples()) : 0);
 }
@@ -28,6 +29,7 @@ bool DispersedPoint::fly(std::int64_t first, std::size_t number, const std::atom
 }
 
 void DispersedPoint::keep(std::int64_t sample, const SampleResult& result) {
+  unresolved_[static_cast<std::size_t>(sample)] = result.status == SampleStatus::kUnresolved ? 1 : 0;
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     if (margins_[i].empty()) continue;
     const auto column = evaluator_.find(problem_.constraints[i].id + ".margin");
@@ -50,7 +52,17 @@ double DispersedPoint::get_limit(std::size_t constraint) const {
 
 std::int64_t DispersedPoint::count_failures(std::size_t constraint) const {
   const std::vector<double>& margins = margins_[constraint];
-  return std::count_if(margins.begin(), margins.end(), [](double margin) { return margin < 0; });
+  std::int64_t failures = 0;
+  for (std::size_t i = 0; i < margins.size(); ++i) failures += margins[i] < 0 && unresolved_[i] == 0 ? 1 : 0;
+  return failures;
+}
+
+std::int64_t DispersedPoint::count_unresolved() const { return std::ranges::count(unresolved_, char{1}); }
+
+std::optional<Interval> DispersedPoint::calc_margin_interval(std::size_t constraint) const {
+  std::vector<double> sorted = margins_[constraint];
+  std::sort(sorted.begin(), sorted.end());
+  return calc_quantile_interval(sorted, 1 - problem_.constraints[constraint].probability);
 }
 
 bool has_probabilities(const OptimizeProblem& problem) {

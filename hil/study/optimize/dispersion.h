@@ -6,14 +6,14 @@
 #include <memory>
 
 #include "hil/study/optimize/problem.h"
+#include "hil/study/statistics/statistics.h"
 
 namespace unlatch::hil {
 
 class DispersedPoint {
  public:
-  // `check`: use the samples that verify a result. Keeps a reference to the problem. Throws ScenarioError if the
-  // campaign has a mistake with this design.
-  DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, bool check);
+  // Keeps a reference to the problem. Throws ScenarioError if the campaign has a mistake with this design.
+  DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, const OptimizeFlights& flights);
 
   [[nodiscard]] std::int64_t count_samples() const { return campaign_.plan.samples; }
   // Runs `number` samples from `first` on, SampleEvaluator::kSideBySide at the most. Threads may run different ones at
@@ -25,7 +25,11 @@ class DispersedPoint {
   [[nodiscard]] double calc_margin(std::size_t constraint) const;
   // Limit of a constraint with a probability in the campaign's scenario with this design.
   [[nodiscard]] double get_limit(std::size_t constraint) const;
+  // Interval of that margin, 95 %; nothing: there are too few samples for one.
+  [[nodiscard]] std::optional<Interval> calc_margin_interval(std::size_t constraint) const;
+  // Samples that fail a constraint, without the unresolved ones, which may fail it or not.
   [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
+  [[nodiscard]] std::int64_t count_unresolved() const;
 
  private:
   void keep(std::int64_t sample, const SampleResult& result);
@@ -34,6 +38,7 @@ class DispersedPoint {
   const Campaign campaign_;
   const SampleEvaluator evaluator_;
   std::vector<std::vector<double>> margins_;  // [constraint][sample]; empty: constraint of the nominal run
+  std::vector<char> unresolved_;              // by sample; of threads that write neighbours
 };
 
 bool has_probabilities(const OptimizeProblem& problem);

@@ -31,7 +31,7 @@ std::string quote_cell(const std::string& text) {
 
 // Heading of the journal's columns.
 std::string write_heading(const OptimizeProblem& problem) {
-  std::string text = "run,status,hash";
+  std::string text = has_probabilities(problem) ? "run,status,hash,samples" : "run,status,hash";
   const auto add = [&](const std::string& name, const std::string& unit) {
     text += "," + quote_cell(name + (unit.empty() ? "" : " [" + unit + "]"));
   };
@@ -69,6 +69,7 @@ class OptimizeEvaluations::Batch {
   Batch(OptimizeEvaluations& owner, const std::vector<OptimizePoint>& points)
       : samples(points.size()), owner_(owner), first_(owner.samples_.size()), done_(points.size()) {
     for (std::size_t i = 0; i < points.size(); ++i) samples[i].point = points[i];
+    for (OptimizeSample& sample : samples) sample.flights = owner.flights_;
   }
 
   // Marks sample i as complete. Threads may finish different ones at a time. Throws JournalError.
@@ -94,7 +95,12 @@ class OptimizeEvaluations::Batch {
 
 OptimizeEvaluations::OptimizeEvaluations(const OptimizeProblem& problem, const Options& options,
                                          const std::atomic<bool>& stop, std::function<void()> progress)
-    : problem_(problem), options_(options), stop_(stop), progress_(std::move(progress)), limit_(problem.budget.runs) {
+    : problem_(problem),
+      options_(options),
+      stop_(stop),
+      progress_(std::move(progress)),
+      flights_(has_probabilities(problem) ? problem.campaign->samples : 0),
+      limit_(problem.budget.runs) {
   if (options_.journal.empty()) return;
   const std::string heading = write_heading(problem_);
   if (options_.resume) read_journal(heading);
@@ -134,13 +140,15 @@ void OptimizeEvaluations::read_journal(const std::string& heading) {
     std::istringstream line(text.substr(at, end - at));
     std::vector<std::string> cells;
     for (std::string cell; std::getline(line, cell, ',');) cells.push_back(cell);
-    cells.resize(3 + n + m + 2 * k);  // the last may be empty
+    const std::size_t ahead = has_probabilities(problem_) ? 4 : 3;
+    cells.resize(ahead + n + m + 2 * k);  // the last may be empty
     OptimizeSample sample;
     const auto status = std::find(kSampleStatusNames.begin(), kSampleStatusNames.end(), cells[1]);
     if (status == kSampleStatusNames.end()) return;
     sample.status = static_cast<SampleStatus>(status - kSampleStatusNames.begin());
     sample.hash = static_cast<std::int64_t>(std::strtoull(cells[2].c_str(), nullptr, 16));
-    std::size_t cell = 3;
+    if (ahead == 4) sample.flights = static_cast<std::int64_t>(read_cell(cells[3]));
+    std::size_t cell = ahead;
     for (std::size_t i = 0; i < n; ++i) sample.point.push_back(read_cell(cells[cell++]));
     for (std::size_t i = 0; i < m; ++i) sample.objectives.push_back(read_cell(cells[cell++]));
     for (std::size_t i = 0; i < k; ++i) sample.values.push_back(read_cell(cells[cell++]));
@@ -154,6 +162,7 @@ std::string OptimizeEvaluations::write_row(const OptimizeSample& sample, std::si
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(sample.hash));
   std::string row =
       std::to_string(number) + "," + kSampleStatusNames[static_cast<std::size_t>(sample.status)] + "," + hash;
+  if (has_probabilities(problem_)) row += "," + std::to_string(sample.flights);
   for (const std::vector<double>* const list : {&sample.point, &sample.objectives, &sample.values, &sample.margins})
     for (const double value : *list) row += "," + (std::isnan(value) ? std::string() : to_text(value));
   return row + "\n";
@@ -245,13 +254,13 @@ void OptimizeEvaluations::compute_dispersed(Batch& batch) {
     OptimizeSample& sample = batch.samples[i];
     try {
       if (sample.status != SampleStatus::kInvalid)
-        designs[i] = std::make_unique<DispersedPoint>(problem_, sample.point, false);
+        designs[i] = std::make_unique<DispersedPoint>(problem_, sample.point, OptimizeFlights{flights_});
     } catch (const ScenarioError&) {
       sample.status = SampleStatus::kInvalid;  // its constraints have no value
     }
     if (!designs[i]) batch.finish(i);
   });
-  const auto flights = static_cast<std::size_t>(problem_.campaign->samples);
+  const auto flights = static_cast<std::size_t>(flights_);
   std::vector<std::atomic<std::size_t>> left(count);
   for (std::atomic<std::size_t>& one : left) one = flights;
   const auto fly = [&](std::size_t design, std::size_t first, std::size_t number) {
@@ -270,20 +279,53 @@ void OptimizeEvaluations::compute_dispersed(Batch& batch) {
                           });
 }
 
-std::optional<std::vector<std::int64_t>> OptimizeEvaluations::check_dispersed(const OptimizePoint& point) const {
-  if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
+// All samples of one design; nothing: it has a mistake, or `stop` was set.
+std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& point, const OptimizeFlights& flights) const {
   try {
-    DispersedPoint design(problem_, point, true);
+    auto design = std::make_unique<DispersedPoint>(problem_, point, flights);
     run_shares_side_by_side(
-        static_cast<std::size_t>(design.count_samples()), SampleEvaluator::kSideBySide, options_.jobs, stop_,
-        [&](std::size_t first, std::size_t number) { design.fly(static_cast<std::int64_t>(first), number, stop_); });
-    if (stop_.load()) return std::nullopt;
-    std::vector<std::int64_t> failures;
-    for (std::size_t k = 0; k < problem_.constraints.size(); ++k) failures.push_back(design.count_failures(k));
-    return failures;
+        static_cast<std::size_t>(flights.samples), SampleEvaluator::kSideBySide, options_.jobs, stop_,
+        [&](std::size_t first, std::size_t number) { design->fly(static_cast<std::int64_t>(first), number, stop_); });
+    return stop_.load() ? nullptr : std::move(design);
   } catch (const ScenarioError&) {
-    return std::nullopt;
+    return nullptr;
   }
+}
+
+std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point, std::uint64_t round) const {
+  constexpr std::uint64_t kStreamsEach = 3;  // 1, 4 and 16 times as many
+  constexpr std::int64_t kMore = 4, kMostChecks = 1'000'000;
+  if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
+  DispersedCheck check;
+  check.samples = problem_.campaign->checks;
+  for (std::uint64_t stream = 1 + kStreamsEach * round;; ++stream, check.samples *= kMore) {
+    const std::unique_ptr<const DispersedPoint> design = fly(point, {check.samples, stream});
+    if (!design) return std::nullopt;
+    check.unresolved = design->count_unresolved();
+    check.constraints.assign(problem_.constraints.size(), {});
+    for (std::size_t k = 0; k < problem_.constraints.size(); ++k) {
+      const double probability = problem_.constraints[k].probability, allowed = 1 - probability;
+      if (!(probability > 0)) continue;
+      DispersedCheck::Constraint& one = check.constraints[k];
+      one.failed = design->count_failures(k);
+      one.bounds = {calc_clopper_pearson(one.failed, check.samples).low,
+                    calc_clopper_pearson(one.failed + check.unresolved, check.samples).high};
+      one.verdict = one.bounds.high <= allowed  ? DispersedCheck::Verdict::kConfirmed
+                    : one.bounds.low > allowed ? DispersedCheck::Verdict::kRefuted
+                                               : DispersedCheck::Verdict::kOpen;
+    }
+    const bool is_most = check.samples >= kMoreChecks * problem_.campaign->checks || check.samples > kMostChecks / kMore;
+    if (!check.has(DispersedCheck::Verdict::kOpen) || is_most) return check;
+  }
+}
+
+std::vector<std::optional<Interval>> OptimizeEvaluations::calc_margin_intervals(const OptimizePoint& point) const {
+  std::vector<std::optional<Interval>> intervals(problem_.constraints.size());
+  const std::unique_ptr<const DispersedPoint> design =
+      has_probabilities(problem_) ? fly(point, {flights_, 0}) : nullptr;
+  for (std::size_t k = 0; k < intervals.size() && design; ++k)
+    if (problem_.constraints[k].probability > 0) intervals[k] = design->calc_margin_interval(k);
+  return intervals;
 }
 
 // Takes results from the journal, which has the same points in the same order, as far as it reaches. Keeps in `points`
@@ -292,7 +334,7 @@ void OptimizeEvaluations::take_known(std::vector<OptimizePoint>& points) {
   std::size_t taken = 0;
   for (; taken < points.size() && samples_.size() < known_.size(); ++taken) {
     const Known& known = known_[samples_.size()];
-    if (known.sample.point != points[taken]) break;
+    if (known.sample.point != points[taken] || known.sample.flights != flights_) break;
     written_ = known.end;
     samples_.push_back(known.sample);
   }
@@ -306,23 +348,23 @@ bool OptimizeEvaluations::evaluate(const std::vector<OptimizePoint>& points, std
   std::vector<OptimizePoint> batch;
   bool complete = true;
   for (const OptimizePoint& point : points) {
-    if (index_.count(point) != 0) continue;
+    if (index_.count({flights_, point}) != 0) continue;
     if (get_runs() + static_cast<std::int64_t>(batch.size()) >= limit_ || is_late()) {
       complete = false;
       break;
     }
-    index_[point] = get_runs() + static_cast<std::int64_t>(batch.size());
+    index_[{flights_, point}] = get_runs() + static_cast<std::int64_t>(batch.size());
     batch.push_back(point);
   }
   take_known(batch);
   const std::size_t first = samples_.size();
   if (!batch.empty()) compute(batch);
   for (std::size_t left = samples_.size() - first; left < batch.size(); ++left) {
-    index_.erase(batch[left]);
+    index_.erase({flights_, batch[left]});
     complete = false;
   }
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (const auto found = index_.find(points[i]); found != index_.end()) indices[i] = found->second;
+    if (const auto found = index_.find({flights_, points[i]}); found != index_.end()) indices[i] = found->second;
   return complete;
 }
 

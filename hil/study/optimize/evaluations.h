@@ -4,6 +4,7 @@
 // the same journal takes the stored results from it, in the same order, and continues.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -26,6 +27,24 @@ struct OptimizeSample {
   std::vector<double> objectives;  // SI, as defined in the file: not negated
   std::vector<double> values;      // values of the constraints, in their units; with a probability: the quantile
   std::vector<double> margins;     // below 0: not met; NaN: the run has none
+  std::int64_t flights = 0;        // dispersed samples behind them; 0: no constraint has a probability
+};
+
+// A design flown with samples that no search has seen, and the verdict on each constraint with a probability: by the
+// bounds of its probability of failure (Clopper-Pearson, 95 %), which hold whatever the unresolved samples are.
+struct DispersedCheck {
+  enum class Verdict { kConfirmed, kOpen, kRefuted };
+  struct Constraint {
+    std::int64_t failed = 0;
+    Interval bounds;
+    Verdict verdict = Verdict::kConfirmed;
+  };
+  std::int64_t samples = 0, unresolved = 0;
+  std::vector<Constraint> constraints;  // of every constraint; those without a probability are confirmed
+
+  [[nodiscard]] bool has(Verdict verdict) const {
+    return std::ranges::any_of(constraints, [verdict](const Constraint& one) { return one.verdict == verdict; });
+  }
 };
 
 // Error of a journal that cannot be written, or belongs to another problem.
@@ -55,9 +74,17 @@ class OptimizeEvaluations {
   // budget is used up, or `stop` was set, and some are missing (-1); earlier results are kept. Throws JournalError.
   bool evaluate(const std::vector<OptimizePoint>& points, std::vector<std::int64_t>& indices);
 
-  // Runs the samples that verify a result, under the campaign's dispersions: failures of each constraint with a
-  // probability, 0 for the others. Nothing: there are none, the design has a mistake, or `stop` was set.
-  [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const OptimizePoint& point) const;
+  // Flies a design with fresh samples, others for each `round`. While some verdict is open, up to kMoreChecks times more
+  // of them, each time four times as many new ones. Nothing: no constraint has a probability, the design has a mistake,
+  // or `stop` was set.
+  [[nodiscard]] std::optional<DispersedCheck> check_dispersed(const OptimizePoint& point, std::uint64_t round) const;
+  static constexpr std::int64_t kMoreChecks = 16;
+  // Intervals of the margins of the constraints with a probability, by the samples of the search.
+  [[nodiscard]] std::vector<std::optional<Interval>> calc_margin_intervals(const OptimizePoint& point) const;
+
+  // Sets the number of dispersed samples of the designs to come; those with another number are other samples.
+  void set_flights(std::int64_t samples) { flights_ = samples; }
+  [[nodiscard]] std::int64_t get_flights() const { return flights_; }
 
   // Removes from the journal rows that this search did not use. Call it only if the search was not stopped.
   void finish_journal();
@@ -82,6 +109,7 @@ class OptimizeEvaluations {
   };
   class Batch;
 
+  [[nodiscard]] std::unique_ptr<DispersedPoint> fly(const OptimizePoint& point, const OptimizeFlights& flights) const;
   void run(std::span<OptimizeSample> samples) const;
   void keep(const SampleResult& result, OptimizeSample& sample) const;
   void run_shares(std::span<OptimizeSample> samples, const std::function<void(std::size_t)>& done);
@@ -100,7 +128,8 @@ class OptimizeEvaluations {
   const std::function<void()> progress_;
   std::vector<OptimizeSample> samples_;
   std::vector<Known> known_;
-  std::map<OptimizePoint, std::int64_t> index_;
+  std::map<std::pair<std::int64_t, OptimizePoint>, std::int64_t> index_;  // by flights and point
+  std::int64_t flights_ = 0;
   std::int64_t limit_ = 0, taken_ = 0;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   bool shown_ = true;

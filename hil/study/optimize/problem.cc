@@ -37,17 +37,19 @@ std::vector<Setting> make_settings(const OptimizeProblem& problem, const Optimiz
     const OptimizeVariable& variable = problem.variables[i];
     const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
                                                    : make_scalar(write_value(variable, point[i]));
-    for (const std::string& path : variable.paths) settings.push_back({path, value});
+    for (std::size_t k = 0; k < variable.paths.size(); ++k)
+      settings.push_back({variable.paths[k], variable.columns.empty() ? value : value.items.at(variable.columns[k])});
   }
   return settings;
 }
 
-Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design, bool check) {
+Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design,
+                       const OptimizeFlights& flights) {
   std::vector<std::string> overrides = campaign.overrides;
   for (const Setting& setting : design) overrides.push_back(to_text(setting));
   Campaign made = load_campaign_text(campaign.text, campaign.file, campaign.folder, overrides);
-  made.plan.samples = check ? campaign.checks : campaign.samples;
-  if (check) ++made.plan.seed;
+  made.plan.samples = flights.samples;
+  made.plan.seed += flights.stream;
   return made;
 }
 
@@ -84,7 +86,7 @@ std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePo
   try {
     const std::vector<Setting> settings = make_settings(problem, point);
     take(problem.tree->read(settings), false);
-    if (problem.campaign) take(make_campaign(*problem.campaign, settings, false).tree->get_nominal(), true);
+    if (problem.campaign) take(make_campaign(*problem.campaign, settings, {problem.campaign->samples}).tree->get_nominal(), true);
   } catch (const ScenarioError&) {  // the design's run has reported it
   }
   return limits;
@@ -96,6 +98,8 @@ Quantity calc_expression(const OptimizeProblem& problem, const Objective& object
     const OptimizeVariable& variable = problem.variables[i];
     if (!variable.is_catalogue() || !variable.numbers.empty())
       constants[variable.name] = {get_number(variable, point[i]), variable.dimension};
+    for (std::size_t k = 0; k < variable.titles.size(); ++k)
+      constants[variable.titles[k]] = variable.row_numbers.at(static_cast<std::size_t>(point[i]))[k];
   }
   return evaluate_expression(objective.text, constants);
 }

@@ -17,7 +17,8 @@
 
 namespace unlatch::hil {
 
-// A number between two bounds, or one entry of a catalogue; all paths get it.
+// A number between two bounds, or one entry of a catalogue, which all paths get; or one row of a catalogue, of which
+// each path gets the value in its column: stiffness, preload and stroke of a real spring belong together.
 struct OptimizeVariable {
   std::string name;
   std::vector<std::string> paths;
@@ -26,6 +27,9 @@ struct OptimizeVariable {
   std::string unit;                        // SI unit, as the language writes it; "": none
   std::vector<YamlNode> catalogue;         // empty: continuous
   std::vector<double> numbers;             // values of a catalogue of numbers, SI
+  std::vector<std::size_t> columns;        // of rows: the column of each path; then `catalogue` has sequences
+  std::vector<std::string> titles;         // of rows: names of the columns in expressions; may be empty
+  std::vector<std::vector<Quantity>> row_numbers;  // of rows with titles: their values
   SourceMark mark;
 
   [[nodiscard]] bool is_catalogue() const { return !catalogue.empty(); }
@@ -56,6 +60,7 @@ struct OptimizeConstraint {
 struct OptimizeCampaign {
   std::string file, text, folder;
   std::int64_t samples = 0, checks = 0;
+  std::int64_t most = 0;  // the search's samples grow to these where fresh ones do not confirm its verdict
   std::vector<std::string> overrides;  // overrides of the problem's `set`
   std::shared_ptr<const Campaign> nominal;
   std::shared_ptr<const SampleEvaluator> evaluator;  // evaluator of the campaign's columns
@@ -96,8 +101,14 @@ OptimizeProblem load_optimize_problem(const std::string& path);
 // `folder`: folder of the scenario.
 OptimizeProblem load_optimize_problem_text(const std::string& text, const std::string& file, const std::string& folder);
 
-// Campaign with the design's values. `check`: use the other samples. Throws ScenarioError.
-Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design, bool check);
+// Samples that a design flies: their number, and which ones: 0 are those of the search, others are fresh.
+struct OptimizeFlights {
+  std::int64_t samples = 0;
+  std::uint64_t stream = 0;
+};
+// Campaign with the design's values. Throws ScenarioError.
+Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design,
+                       const OptimizeFlights& flights);
 
 // Hash of everything that determines the samples of a search, so that none continues another's journal: the problem,
 // the texts of scenario and campaign, their values and the version of the program.

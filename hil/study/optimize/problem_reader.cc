@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kKey = "unlatch_optimize";
 constexpr std::size_t kMaxObjectives = 4;
 constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6, kMaxStarts = 1000;
-constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: multiples of the samples
+constexpr double kDefaultSamples = 64, kChecks = 4, kGrowth = 16;  // the latter two: multiples of the samples
 
 class ProblemReader {
  public:
@@ -144,6 +144,7 @@ class ProblemReader {
     OptimizeCampaign campaign;
     campaign.samples = static_cast<std::int64_t>(kDefaultSamples);
     campaign.checks = static_cast<std::int64_t>(kChecks * kDefaultSamples);
+    campaign.most = static_cast<std::int64_t>(kGrowth * kDefaultSamples);
     const YamlNode* file = &node;
     if (!node.is_scalar()) {
       YamlMap map(node, "campaign", mistakes_);
@@ -152,6 +153,9 @@ class ProblemReader {
       campaign.samples = static_cast<std::int64_t>(read_whole(map, "samples", kDefaultSamples, 2, kMaxSamples));
       campaign.checks = static_cast<std::int64_t>(
           read_whole(map, "checks", kChecks * static_cast<double>(campaign.samples), 0, kMaxSamples));
+      const auto least = static_cast<double>(campaign.samples);
+      campaign.most = static_cast<std::int64_t>(
+          read_whole(map, "most", std::min(kGrowth * least, kMaxSamples), least, kMaxSamples));
       map.finish();
     }
     if (file == nullptr) return;
@@ -161,7 +165,7 @@ class ProblemReader {
     campaign.overrides = problem_.overrides;
     try {
       campaign.text = read_text_file(campaign.file, "campaign");
-      campaign.nominal = std::make_shared<Campaign>(make_campaign(campaign, {}, false));
+      campaign.nominal = std::make_shared<Campaign>(make_campaign(campaign, {}, {campaign.samples}));
     } catch (const ScenarioError& error) {
       for (const ScenarioMistake& mistake : error.mistakes)
         mistakes_.add(file->mark, "the campaign: " + mistake.to_string(),
@@ -352,7 +356,8 @@ class ProblemReader {
   void check_campaign() {
     if (!problem_.campaign || mistakes_.count() != 0) return;
     try {
-      (void)make_campaign(*problem_.campaign, make_settings(problem_, get_start(problem_)), false);
+      (void)make_campaign(*problem_.campaign, make_settings(problem_, get_start(problem_)),
+                          {problem_.campaign->samples});
     } catch (const ScenarioError& error) {
       mistakes_.add(problem_.variables.front().mark,
                     "the campaign, with the variables at their start: " + error.mistakes.front().what,

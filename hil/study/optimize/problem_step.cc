@@ -60,7 +60,7 @@ void set_step(OptimizeProblem& problem, double step) {
   if (!problem.campaign) return;
   OptimizeCampaign& campaign = *problem.campaign;
   campaign.overrides = problem.overrides;
-  campaign.nominal = std::make_shared<Campaign>(make_campaign(campaign, {}, false));
+  campaign.nominal = std::make_shared<Campaign>(make_campaign(campaign, {}, {campaign.samples}));
   campaign.evaluator = std::make_shared<SampleEvaluator>(*campaign.nominal->tree);
 }
 

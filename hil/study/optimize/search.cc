@@ -25,7 +25,7 @@ class Search {
   Search(const OptimizeProblem& problem, OptimizeEvaluations& evaluations)
       : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
 
-  OptimizeResult run(bool study) {
+  OptimizeResult run(bool study, const std::function<void(const OptimizePoint&)>& found) {
     if (!evaluations_.get_samples().empty()) look();
     result_.search_runs = evaluations_.get_runs();
     if (evaluations_.was_stopped())
@@ -34,12 +34,69 @@ class Search {
       result_.end = OptimizeResult::End::kBudget;
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
+    confirm(found);
     if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
     if (!evaluations_.was_stopped()) evaluations_.finish_journal();
     return result_;
   }
 
  private:
+  // Flies the result with fresh samples. Where they refute it, or do not confirm that the nearest point misses its
+  // probability, the search had too few: it goes on from there with four times as many, and as many runs again.
+  void confirm(const std::function<void(const OptimizePoint&)>& found) {
+    if (!has_probabilities(problem_)) return;
+    result_.flights = evaluations_.get_flights();
+    for (std::uint64_t round = 0; !evaluations_.was_stopped(); ++round) {
+      const OptimizePoint best = evaluations_.get_samples()[result_.best].point;
+      found(best);
+      result_.check = evaluations_.check_dispersed(best, round);
+      const bool more = evaluations_.get_flights() < problem_.campaign->most && problem_.objectives.size() == 1;
+      if (!more || evaluations_.is_late() || !needs_more_samples()) break;
+      evaluations_.set_flights(std::min(kGrowth * evaluations_.get_flights(), problem_.campaign->most));
+      if (!search_again(best)) break;
+      take_best();
+    }
+    if (!evaluations_.was_stopped())
+      result_.intervals =
+          evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
+  }
+
+  // The search's verdict on its best point is not that of the fresh samples.
+  [[nodiscard]] bool needs_more_samples() const {
+    using Verdict = DispersedCheck::Verdict;
+    if (!result_.check) return false;
+    if (result_.feasible) return result_.check->has(Verdict::kRefuted);
+    const OptimizeSample& best = evaluations_.get_samples()[result_.best];
+    for (std::size_t i = 0; i < problem_.constraints.size(); ++i) {
+      if (best.margins.size() <= i || best.margins[i] >= 0) continue;
+      if (!std::isfinite(best.margins[i]) || !(problem_.constraints[i].probability > 0)) return false;
+      if (result_.check->constraints[i].verdict == Verdict::kRefuted) return false;
+    }
+    return std::isfinite(best.objectives.empty() ? 0.0 : best.objectives[0]);
+  }
+
+  // Searches around a point with more dispersed samples. False: not even that point was flown.
+  bool search_again(const OptimizePoint& from) {
+    end_ = evaluations_.get_runs() + problem_.budget.runs;
+    evaluations_.set_limit(end_);
+    std::vector<std::int64_t> first;
+    if (!evaluations_.evaluate({from}, first)) {
+      evaluations_.set_flights(result_.flights);
+      return false;
+    }
+    result_.flights = evaluations_.get_flights();
+    result_.check.reset();
+    whole_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
+    least_violation_ = HUGE_VAL;
+    cut_ = false;
+    if (!try_all()) search_local(from, true);
+    result_.search_runs = evaluations_.get_runs();
+    result_.end = evaluations_.was_stopped() ? OptimizeResult::End::kStopped
+                  : cut_                     ? OptimizeResult::End::kBudget
+                                             : OptimizeResult::End::kConverged;
+    return true;
+  }
+
   // Evaluates the first sample, whose values are the scales, whatever the deadline.
   OptimizeMerit start() {
     evaluations_.set_limit(problem_.budget.runs);
@@ -350,6 +407,7 @@ class Search {
   void take_best() {
     const OptimizeSample& best = get_best();
     result_.best = whole_.best;
+    result_.against.clear();
     result_.violation = merit_.calc_violation(best);
     result_.feasible = result_.violation.size == 0;
     result_.settled = result_.exhaustive || result_.violation.size >= kAgainst * least_violation_;
@@ -360,6 +418,7 @@ class Search {
     result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
   }
 
+  static constexpr std::int64_t kGrowth = 4;      // of the dispersed samples
   static constexpr double kLargest = 10;          // largest violation in the range of t
   static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
   static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start
@@ -380,8 +439,9 @@ class Search {
 
 }  // namespace
 
-OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study) {
-  return Search(problem, evaluations).run(study);
+OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study,
+                           const std::function<void(const OptimizePoint&)>& found) {
+  return Search(problem, evaluations).run(study, found);
 }
 
 }  // namespace unlatch::hil

@@ -2,6 +2,7 @@
 // samples. A seed gives the same samples in the same order, whatever the number of threads.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ struct OptimizeResult {
   std::vector<std::size_t> against;   // constraints that are all near the largest violation: they limit it together
   std::vector<std::size_t> front;     // samples, by the first objective; for several objectives
   std::vector<LocalResult> searches;  // local searches, in their order
+  std::int64_t flights = 0;           // dispersed samples by which the best was found; 0: no constraint has a probability
+  std::optional<DispersedCheck> check;                // of the best, by fresh samples
+  std::vector<std::optional<Interval>> intervals{};  // of the margins of the best, by constraint
   std::int64_t search_runs = 0;
   std::vector<ConstraintStudy> constraints;
   // [variable][objectives, then constraints]; empty for a catalogue. SI for each unit of the variable.
@@ -39,8 +43,11 @@ struct OptimizeResult {
   std::vector<std::vector<std::size_t>> slices;  // [variable]: samples that differ from the best in this variable alone
 };
 
-// Runs the search, and the runs around its result (study.h) unless `study` is false. Throws ModuleError if the
-// libraries are not installed.
-OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study = true);
+// Runs the search, checks probabilities by fresh samples, and makes the runs around the result (study.h) unless `study`
+// is false. `found` is called with each result before fresh samples check it. Throws ModuleError if the libraries are not
+// installed.
+OptimizeResult search_optimum(
+    const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study = true,
+    const std::function<void(const OptimizePoint&)>& found = [](const OptimizePoint&) {});
 
 }  // namespace unlatch::hil

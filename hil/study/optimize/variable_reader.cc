@@ -51,17 +51,69 @@ class VariableReader {
       const YamlNode& list = *map.find("paths");
       if (!list.is_sequence() || list.items.empty())
         mistakes_.add(list.mark, "paths is not a list", "write [PATH, PATH]");
-      for (const YamlNode& item : list.items) variable.paths.push_back(read_text(item, mistakes_));
+      for (std::size_t k = 0; k < list.items.size(); ++k) read_paths(list.items[k], k, variable);
     }
-    const std::string range = map.only_one_of({"between", "values"}, "bounds or a catalogue");
+    const std::string range = map.only_one_of({"between", "values", "rows"}, "bounds or a catalogue");
     if (range == "between") read_bounds(*map.find("between"), variable);
     if (range == "values") read_catalogue(*map.find("values"), variable);
+    if (range == "rows") read_rows(*map.find("rows"), variable);
+    if (const YamlNode* titles = map.find("columns")) read_titles(*titles, range == "rows", variable);
+    if (range != "rows") variable.columns.clear();
     if (const YamlNode* start = map.find("start")) read_start(*start, variable, mistakes_.count() == before);
     map.finish();
     for (const std::string& path : variable.paths)
       if (!paths_.insert(path).second)
         mistakes_.add(node.mark, "'" + path + "' is varied twice", "name each path once");
     if (mistakes_.count() == before) problem_.variables.push_back(std::move(variable));
+  }
+
+  // One path, or several that get the value of the same column.
+  void read_paths(const YamlNode& node, std::size_t column, OptimizeVariable& variable) {
+    const std::vector<YamlNode> one{node};
+    for (const YamlNode& item : node.is_sequence() ? node.items : one) {
+      variable.paths.push_back(read_text(item, mistakes_));
+      variable.columns.push_back(column);
+    }
+  }
+
+  // Reads rows of a catalogue: a value for each of the paths, in their order.
+  void read_rows(const YamlNode& node, OptimizeVariable& variable) {
+    if (!node.is_sequence()) return mistakes_.add(node.mark, "no catalogue", "write a list of rows: [[1 kN, 2 kN/m]]");
+    if (node.items.size() < 2 || node.items.size() > kMaxCatalogue)
+      return mistakes_.add(node.mark, "a catalogue of length " + std::to_string(node.items.size()),
+                           "give 2 to 1000; `set` gives all runs one value");
+    const std::size_t width = variable.columns.empty() ? 0 : variable.columns.back() + 1;
+    if (width < 2)
+      return mistakes_.add(node.mark, "rows for a single path", "name several `paths`, or give `values` instead");
+    for (const YamlNode& row : node.items)
+      if (!row.is_sequence() || row.items.size() != width)
+        return mistakes_.add(row.mark, "not a row of " + count(width, "value"),
+                             "one for each entry of `paths`, in their order");
+    variable.catalogue = node.items;
+    variable.upper = static_cast<double>(node.items.size() - 1);
+  }
+
+  // Reads names of the columns, by which expressions name their values.
+  void read_titles(const YamlNode& node, bool of_rows, OptimizeVariable& variable) {
+    if (!of_rows) return mistakes_.add(node.mark, "names of columns without rows", "leave them out");
+    const std::size_t width = variable.columns.empty() ? 0 : variable.columns.back() + 1;
+    if (!node.is_sequence() || node.items.size() != width)
+      return mistakes_.add(node.mark, "not a name for each column", "as many as `paths` has entries");
+    for (const YamlNode& item : node.items) {
+      const std::string title = read_text(item, mistakes_);
+      if (!is_name(title) || title.find('-') != std::string::npos || is_reserved_name(title) ||
+          !titles_.insert(title).second)
+        mistakes_.add(item.mark, "'" + title + "' cannot be the name of a column",
+                      "expressions name it: no '-', no unit, function or constant of the language, each once");
+      variable.titles.push_back(title);
+    }
+    for (const YamlNode& row : variable.catalogue) {
+      std::vector<Quantity>& numbers = variable.row_numbers.emplace_back();
+      for (const YamlNode& item : row.items) {
+        const auto number = read_quantity(item, mistakes_);
+        numbers.push_back(number.value_or(Quantity{}));
+      }
+    }
   }
 
   void read_bounds(const YamlNode& node, OptimizeVariable& variable) {
@@ -104,7 +156,7 @@ class VariableReader {
     if (!sound) return;
     if (variable.is_catalogue()) {
       const auto same = [&](const YamlNode& item) {
-        return item.is_scalar() && node.is_scalar() && item.text == node.text;
+        return to_text(Setting{"", item}) == to_text(Setting{"", node});
       };
       const auto found = std::find_if(variable.catalogue.begin(), variable.catalogue.end(), same);
       if (found == variable.catalogue.end())
@@ -124,7 +176,7 @@ class VariableReader {
 
   OptimizeProblem& problem_;
   Mistakes& mistakes_;
-  std::set<std::string> paths_;
+  std::set<std::string> paths_, titles_;
 };
 
 }  // namespace

@@ -96,6 +96,56 @@ events:
   EXPECT_NEAR(coning.period, 2 * kPi / std::hypot(1.0, 6.0), 1e-12);
 }
 
+// Two halves on hinges at a fixed base, a bolt between them and a pusher at their tops: a rod of mass m and length l on
+// each hinge, which the pusher turns outwards.
+const char* const kHalves = R"(unlatch: 1
+name: halves
+step: {dt: 1 ms, until: 1.5}
+bodies:
+  left: {mass: 3, inertia: [1, 1, 1], position: [0, 0, 1], shape: [{sphere: {radius: 0.1}}]}
+  right: {mass: 3, inertia: [1, 1, 1], position: [1, 0, 1], shape: [{sphere: {radius: 0.1}}]}
+joints:
+  hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}, free: {rows: []}}, mode: held}
+  hinge2: {between: [ground, right], point: [1, 0, 0], follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}, free: {rows: []}}, mode: held}
+  zip: {between: [left, right], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+elements:
+  pusher: {type: pusher, between: [left, right], guide: [1, 0, 0], stroke: 20 mm, preload: 100, stiffness: 0}
+events:
+  - {name: open, when: {time: 0.1}, then: [{set_mode: {joint: zip, mode: free}}]}
+  - {name: leave, when: {time: 1}, then: [{set_mode: {joint: hinge2, mode: free}}]}
+clearance: all
+)";
+
+TEST(Separations, HalvesThatPartWhileTheirHingesHoldAreAPairWithTheWorkOfTheirSprings) {
+  const AnalysedRun run(kHalves);
+  const std::vector<hil::Separation> pairs = run.analysis.list_separations();
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].joint, "zip");
+  EXPECT_TRUE(pairs[0].indirect);
+  EXPECT_NEAR(pairs[0].release, 0.1, 1e-12);
+  ASSERT_EQ(pairs[0].pushers.size(), 1u);
+  EXPECT_EQ(pairs[0].pushers[0].spring, "pusher");
+  EXPECT_EQ(pairs[0].base.bodies, std::vector<int>{0});
+  EXPECT_EQ(pairs[0].follower.bodies, std::vector<int>{1});
+  EXPECT_EQ(pairs[1].joint, "hinge2");  // leaves the ground, and with it the other half
+  EXPECT_FALSE(pairs[1].indirect);
+  EXPECT_NEAR(pairs[1].release, 1, 1e-12);
+}
+
+// Bolts that open one after the other, and a weld that holds what a bolt joins, part nothing.
+TEST(Separations, BodiesThatOtherJointsStillHoldDirectlyHaveNotParted) {
+  const AnalysedRun bolts(replace(kSpring, "ARM", "0"));
+  EXPECT_EQ(bolts.analysis.list_separations().size(), 1u);
+  std::string text = replace(kHalves, "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}",
+                 "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: weld}");
+  text = replace(text, "follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}, free: {rows: []}}, mode: held}\n  zip",
+                 "follower_point: [0, 0, -1], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}\n  zip");
+  const AnalysedRun welded(text);
+  const std::vector<hil::Separation> pairs = welded.analysis.list_separations();
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].joint, "hinge2");
+}
+
 // Two balls, released at a distance of 1 m, that approach each other at 0.5 m/s after they were joined.
 TEST(Separations, AClearanceThatStillClosesAtTheEndIsTold) {
   const char* const text = R"(unlatch: 1

@@ -137,6 +137,41 @@ TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
   EXPECT_GE(result.end.timing.late_commands, 1);
   EXPECT_EQ(result.end.timing.rejected[static_cast<std::size_t>(Reject::kExpired)], 1);
   EXPECT_TRUE(replay_log(log).result.agrees());
+  const std::vector<std::string> events = read_recording(log).events;
+  EXPECT_EQ(std::ranges::count(events, "command.late fsw throttle"), 1);
+  EXPECT_EQ(std::ranges::count(events, "refused.expired fsw throttle"), 1);
+}
+
+// The gyro's x sticks at the value of tick 10, its z is biased; what was measured is in the replay.
+TEST(Executive, ARecordingHasTheSensorValuesThatFlightSoftwareReceivedWhereTheyAreOthers) {
+  const std::string log = make_path("log");
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
+  hil::FaultInjector faults(
+      hil::load_faults_text("unlatch_faults: 1\nfaults:\n  - {stick: gyro.x, ticks: [10, 20]}\n"
+                            "  - {bias: {sensor: gyro.z, by: 0.5}, ticks: [40, 60]}\n",
+                            "faults.yaml", scenario),
+      3);
+  const SessionResult result = run_session(Pace::kLockstep, {}, log,
+                                           {"bodies.core.rate=[0.3, 0.2, 0.1]", "flight_software.timeout=10"}, true,
+                                           nullptr, &faults);
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  const RecordedSession recorded = read_recording(log);
+  ASSERT_EQ(recorded.received.size(), 51u);
+  for (std::size_t tick = 0; tick <= 50; ++tick) {
+    const std::vector<hil::LogReceived>& received = recorded.received[tick];
+    if (tick > 10 && tick <= 20) {
+      ASSERT_EQ(received.size(), 1u) << tick;
+      EXPECT_EQ(received[0].value, 0);
+      EXPECT_EQ(received[0].received, recorded.measured[10][0]);
+    } else if (tick >= 40) {
+      ASSERT_EQ(received.size(), 1u) << tick;
+      EXPECT_EQ(received[0].value, 2);
+      EXPECT_EQ(received[0].received, recorded.measured[tick][2] + 0.5);
+    } else {
+      EXPECT_TRUE(received.empty()) << tick;
+    }
+  }
+  EXPECT_EQ(std::ranges::count(recorded.events, "fault.stick gyro.x"), 1);
 }
 
 TEST(Realtime, SilenceEndsInThePolicy) {

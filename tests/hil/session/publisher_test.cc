@@ -62,7 +62,7 @@ TEST_F(PublisherTest, ANoticeIsOfThisTickAndAnOverrunOfTheStepBefore) {
 }
 
 TEST_F(PublisherTest, VerdictsAreLimitedWithinATick) {
-  const auto publish = [this] { publisher_.publish_verdict(hil::Reject::kLate, 7, 1, 0, 5); };
+  const auto publish = [this] { publisher_.publish_verdict(hil::Reject::kLate, "fsw", 7, 1, 0, 5); };
   for (int i = 0; i < 100; ++i) publish();
   EXPECT_EQ(connection_.sent.size(), static_cast<std::size_t>(hil::Publisher::kVerdictsPerTick))
       << "before the first tick";

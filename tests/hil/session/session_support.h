@@ -266,4 +266,26 @@ inline ReplayedLog replay_log(const std::string& path) {
   return replayed;
 }
 
+// What a recording has beside the states: events of the session, "name subject", and by tick the sensor values that
+// flight software received otherwise than they were measured, beside those measured.
+struct RecordedSession {
+  std::vector<std::string> events;
+  std::vector<std::vector<hil::LogReceived>> received;
+  std::vector<std::vector<double>> measured;
+};
+
+inline RecordedSession read_recording(const std::string& path) {
+  hil::RecordingReader recording{hil::LogFileReader(path)};
+  const hil::Scenario scenario = hil::load_recorded_scenario(recording.header);
+  const auto simulation = hil::build_recorded_simulation(recording.header, scenario, path);
+  RecordedSession recorded;
+  hil::replay(recording, *simulation, nullptr, [&](const StepReport&) {
+    recorded.received.push_back(recording.received);
+    recorded.measured.emplace_back(simulation->get_sensors().begin(), simulation->get_sensors().end());
+  });
+  for (const hil::EventMessage& event : recording.events)
+    recorded.events.push_back(std::string(hil::get_name(event.name)) + " " + std::string(hil::get_name(event.subject)));
+  return recorded;
+}
+
 }  // namespace unlatch::test

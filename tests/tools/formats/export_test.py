@@ -161,6 +161,37 @@ class ExportTest(ProcessTest):
         self.assertEqual(sparse["core.vx [m/s]"].count(), 9)
         self.assertEqual(sparse["core.x [m]"].dtype, float)
 
+    # The accelerometer sticks, the gyro is biased for a while, States are lost: what happened in the session is in every
+    # export and in the replay, and the sensors as flight software had them beside those measured.
+    def test_a_session_has_its_events_and_received_sensors_in_every_export(self):
+        script = self.folder / "faults.yaml"
+        script.write_text("unlatch_faults: 1\nfaults:\n  - stick: accelerometer.x\n  - {bias: {sensor: gyro, by: 0.5}, ticks: [100, 200]}\n"
+                          "  - {drop: {message: State}, probability: 0.05}\n")
+        session = self.run_json(UNLATCH, "hil", SCENARIOS / "boosters/scenario.yaml", "--transport", "inproc", "--pace", "lockstep", "--faults", script,
+                                "--until", "0.8", "--log", self.log, "--set", "flight_software.timeout=30", code=None)
+        told = [f"{event['name']} {event['subject']}" for event in session["session_events"]]
+        for name in ("participant.joined fsw", "fault.stick accelerometer.x", "fault.bias gyro", "fault.bias.end gyro"):
+            self.assertIn(name, told)
+        self.assertTrue([name for name in told if name.startswith("fault.message.drop")])
+        replayed = self.run_json(UNLATCH, "replay", self.log, code=None)
+        self.assertEqual(replayed["session_events"], session["session_events"])
+        rows = list(csv.DictReader(self.export("csv").read_text().splitlines()))
+        exported = [event for row in rows for event in row["events"].split("; ") if event]
+        self.assertEqual(sorted(exported), sorted(told + [f"{e['name']} {e['subject']}".strip() for e in session["events"]]))
+        for tick, offset in ((50, 0), (99, 0), (100, 0.5), (200, 0.5), (201, 0), (800, 0)):
+            for axis in "xyz":
+                self.assertEqual(float(rows[tick][f"received.gyro.{axis} [rad/s]"]), float(rows[tick][f"sensor.gyro.{axis} [rad/s]"]) + offset, (tick, axis))
+        stuck = {float(row["received.accelerometer.x [m/s2]"]) for row in rows}
+        self.assertEqual(len(stuck), 1)
+        self.assertGreater(len({float(row["sensor.accelerometer.x [m/s2]"]) for row in rows}), 100)
+        self.assertEqual(session["samples"][-1]["received"]["accelerometer"][0], *stuck)
+        lines = [json.loads(line) for line in self.export("json").read_text().splitlines()]
+        self.assertEqual(len([line for line in lines if line["kind"] == "event"]), len(exported))
+        only = list(csv.DictReader(self.export("csv", "--outputs", "received.gyro").read_text().splitlines()))
+        self.assertEqual(float(only[150]["received.gyro.x [rad/s]"]), float(rows[150]["received.gyro.x [rad/s]"]))
+        shown = self.read_with_node(self.export("mcap"))
+        self.assertIn("/received/gyro", json.dumps(shown))
+
     def test_parquet_has_nothing_where_an_output_is_not_due(self):
         if NODE is None or not MODULES.exists():
             self.skipTest("Node.js, or what the build installs with it, is missing")

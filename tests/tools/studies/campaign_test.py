@@ -214,6 +214,72 @@ class CampaignTest(ProcessTest):
         finally:
             browser.close()
 
+    # Limits in deg/s and mm, an offset drawn in mm, a speed as a plain number: the tables for a review have these units.
+    def test_a_review_has_the_units_of_the_files_and_inputs_have_the_units_of_their_places(self):
+        (self.folder / "units.yaml").write_text("""unlatch: 1
+name: units
+step: {dt: 1 ms, until: 0.1 s}
+constants: {most: 2 deg/s}
+bodies: {ball: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 0], velocity: [1, 0, 0], rate: [0, 0, 0.01]}}
+requirements:
+  - {id: slow, text: "It | turns slowly", rate: {body: ball}, at_most: most}
+  - {id: near, position: {body: ball, component: y}, range: [-2 mm, 2 mm]}
+  - {id: kept, velocity: {body: ball}, at_least: 0.5}
+""")
+        (self.folder / "units-campaign.yaml").write_text("""unlatch_campaign: 1
+name: units
+scenario: units.yaml
+samples: 50
+parameters:
+  y: {path: "bodies.ball.position[1]", normal: {mean: 0 mm, sigma: 1 mm, within: 3}}
+  v: {path: "bodies.ball.velocity[0]", uniform: {min: 0.6, max: 1.2}}
+  r: {path: "bodies.ball.rate[2]", uniform: {min: 0.5 deg/s, max: 1.5 deg/s}}
+""")
+        out = self.folder / "units"
+        printed = self.run_ok(UNLATCH, "campaign", self.folder / "units-campaign.yaml", "--out", out, code=None).stdout
+        summary = json.loads((out / "summary.json").read_text())
+        self.assertEqual([(i["name"], i["unit"], (i["shown"] or {}).get("unit")) for i in summary["inputs"]],
+                         [("y", "m", "mm"), ("v", "m/s", None), ("r", "rad/s", "deg/s")])
+        with open(out / "requirements.csv", newline="", encoding="utf-8") as file:
+            rows = {row["requirement"]: row for row in csv.DictReader(file)}
+        self.assertEqual([rows[name]["unit"] for name in ("slow", "near", "kept")], ["deg/s", "mm", "m/s"])
+        self.assertEqual((rows["slow"]["at most"], rows["near"]["at least"], rows["near"]["at most"], rows["kept"]["at least"]), ("2", "-2", "2", "0.5"))
+        quantiles = {r["id"]: r["quantiles"] for r in summary["requirements"]}
+        self.assertAlmostEqual(float(rows["slow"]["quantile 0.5"]), math.degrees(quantiles["slow"]["0.5"]), places=8)
+        self.assertAlmostEqual(float(rows["near"]["quantile 0.95"]), 1e3 * quantiles["near"]["0.95"], places=8)
+        any_ = summary["any_requirement"]
+        self.assertEqual(int(rows["any"]["failed"]), any_["failed"])
+        self.assertAlmostEqual(float(rows["any"]["bound high"]), any_["probability"][1], places=8)
+        self.assertEqual(rows["near"]["verdict"], "not met" if int(rows["near"]["failed"]) else "met")
+        review = (out / "review.md").read_text()
+        self.assertIn("| slow | It \\| turns slowly | deg/s |  | 2 | met |", review)
+        self.assertIn("| y | mm |", review)
+        self.assertRegex(printed, r"slow .* deg/s\n")
+
+    # Springs of a catalogue: stiffness and preload of one row together.
+    def test_rows_of_a_catalogue_are_drawn_together(self):
+        (self.folder / "rows.yaml").write_text("""unlatch: 1
+name: rows
+step: {dt: 1 ms, until: 10 ms}
+bodies: {ball: {mass: 1, inertia: [1, 1, 1], velocity: [1, 2, 0]}}
+requirements: [{id: v, velocity: {body: ball}, at_least: 0}]
+""")
+        text = """unlatch_campaign: 1
+name: rows
+scenario: rows.yaml
+samples: 20
+parameters:
+  part: {path: ["bodies.ball.velocity[0]", "bodies.ball.velocity[1]"], shared: true, discrete: {rows: [[3, 4], [5, 12], [8, 15]]}}
+"""
+        (self.folder / "rows-campaign.yaml").write_text(text)
+        out = self.folder / "rows"
+        self.run_ok(UNLATCH, "campaign", self.folder / "rows-campaign.yaml", "--out", out)
+        with open(out / "samples.csv", newline="", encoding="utf-8") as file:
+            drawn = {(float(row["part"]), round(float(row["v [m/s]"]), 9)) for row in csv.DictReader(file)}
+        self.assertEqual(drawn, {(0, 5), (1, 13), (2, 17)})
+        (self.folder / "rows-campaign.yaml").write_text(text.replace("[5, 12]", "[5]"))
+        self.assertIn("not a row of 2 values", self.run_ok(UNLATCH, "check", self.folder / "rows-campaign.yaml", code=2).stderr)
+
     def test_numbers_drawn_for_constants_keep_their_units(self):
         (self.folder / "ball.yaml").write_text(BALL.replace("velocity: [0, 0, 0]", "velocity: [way / span, 0, 0]", 1)
                                                + "constants: {way: 2 m, span: 1 s}\n")
@@ -374,7 +440,7 @@ class CampaignTest(ProcessTest):
             self.run_campaign(path, out.name)
             for k, row in enumerate(read_table(out)):
                 expected = distribution.computeQuantile((k + 0.5) / n)[0]
-                self.assertAlmostEqual(float(row["m"]), expected, delta=1e-10 * abs(expected), msg=f"{text} {k}")
+                self.assertAlmostEqual(float(row["m [kg]"]), expected, delta=1e-10 * abs(expected), msg=f"{text} {k}")
 
     def test_statistics_are_those_of_openturns(self):
         import openturns as ot

@@ -331,7 +331,7 @@ class OptimizeTest(ProcessTest):
 
     def test_a_probability_that_other_samples_refute_is_not_met(self):
         self.write_campaign(10, seed=3)
-        text = PROBLEM + "campaign: {file: c.yaml, samples: 10, checks: 4000}\nconstraints: [{requirement: far, probability: 0.9}]\n"
+        text = PROBLEM + "campaign: {file: c.yaml, samples: 10, most: 10, checks: 4000}\nconstraints: [{requirement: far, probability: 0.9}]\n"
         process = self.start(text, "o")
         printed, errors = process.communicate(timeout=250)
         self.assertEqual(process.returncode, 1, printed + errors)
@@ -355,7 +355,7 @@ class OptimizeTest(ProcessTest):
         statuses = set()
         for seed in range(1, 7):
             self.write_campaign(10, seed=seed)
-            result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"
+            result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, most: 10, checks: 4000}\n"
                                    "constraints: [{requirement: far, probability: 0.4}]\n", f"o{seed}", code=None)
             statuses.add(result["status"])
             if result["status"] != "undecided":
@@ -363,10 +363,41 @@ class OptimizeTest(ProcessTest):
             self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "confirmed")
             self.assertIn("too few to decide", result["violation"]["why"])
         self.assertEqual(statuses, {"optimal", "undecided"})
+        for seed in range(1, 7):  # the sample grows until fresh ones agree
+            self.write_campaign(10, seed=seed)
+            result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"
+                                   "constraints: [{requirement: far, probability: 0.4}]\n", f"g{seed}")
+            self.assertEqual(result["status"], "optimal")
+            self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "confirmed")
+            self.assertIn(result["samples"], (10, 40, 160))
+            with open(self.folder / f"g{seed}/history.csv", newline="", encoding="utf-8") as file:
+                flown = {int(row["samples"]) for row in csv.DictReader(file)}
+            self.assertEqual(max(flown), result["samples"])
+            low, high = result["constraints"][0]["margin_interval"]
+            self.assertTrue(low <= result["constraints"][0]["margin"] <= high)
         self.write_campaign(10, seed=1)
         result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"
                                "constraints: [{requirement: far, probability: 0.6}]\n", "worse", code=1)
         self.assertIn(result["status"], ("infeasible", "refuted"))  # the others show it, whatever the ten say
+
+    # Rows of a catalogue: push a and push b of one real actuator belong together.
+    def test_rows_of_a_catalogue_give_their_values_together(self):
+        rows = PROBLEM.partition("variables:")[0] + """variables:
+  actuator:
+    paths: [elements.px.profile, [elements.py.profile]]
+    rows: [[0 N, 5 N], [1 N, 2 N], [2 N, 1 N], [3 N, 0 N]]
+    columns: [a, b]
+    start: [0 N, 5 N]
+objectives: [{minimise: a^2 + 4*b^2}]
+"""
+        result = self.optimize(rows, "o")  # (a + b) / sqrt(8) >= 1: a + b = 3 is enough; 9 is the least of 17, 8, 9, but 8 is of [2, 1]
+        self.assertEqual((result["exhaustive"], result["objectives"][0]["value"]), (True, 8))
+        self.assertEqual(result["variables"]["actuator"]["value"], "[2 N, 1 N]")
+        patch = yaml.safe_load((self.folder / "o/patch.yaml").read_text().partition("---")[0])["set"]
+        self.assertEqual((patch["elements.px.profile"], patch["elements.py.profile"]), ("2 N", "1 N"))
+        for wrong, words in (("rows: [[0 N, 5 N], [1 N]", "not a row of 2 values"), ("rows: [1 N, 2 N]\n    #", "not a row of 2 values")):
+            (self.folder / "p.yaml").write_text(rows.replace("rows: [[0 N, 5 N], [1 N, 2 N]", wrong))
+            self.assertIn(words, self.run_ok(UNLATCH, "check", self.folder / "p.yaml", code=2).stderr)
 
     def test_a_probability_that_other_samples_confirm_is_told_so_and_one_without_a_check_too(self):
         self.write_campaign(20)

@@ -166,6 +166,129 @@ class VerdictTest(ProcessTest):
         in_loop = self.run_json(UNLATCH, "hil", path, "--transport", "inproc", "--pace", "fast", code=1)
         self.assertEqual((in_loop["status"], in_loop["verdict"]), ("unresolved", report["verdict"]))
 
+    # A spring carries what a contact does not resolve to a body that touches nothing.
+    def test_what_a_spring_connects_to_an_unresolved_body_is_unresolved_too(self):
+        spring = "elements:\n  link: {type: spring, between: [ball, away], stiffness: 1, free_length: 1}\n"
+        report = self.run_json(UNLATCH, "run", self.write(BLOW.replace("SUBSTEPS", "1").replace("contacts:", spring + "contacts:")), code=1)
+        self.assertEqual([(entry["id"], entry["resolved"]) for entry in report["verdict"]],
+                         [("speed", False), ("before", True), ("other", False)])
+        switched_off = spring.replace("free_length: 1", "free_length: 1, enabled: false")
+        report = self.run_json(UNLATCH, "run", self.write(BLOW.replace("SUBSTEPS", "1").replace("contacts:", switched_off + "contacts:")), code=1)
+        self.assertEqual([entry["resolved"] for entry in report["verdict"]], [False, True, True])
+
+    # Two feet of a body strike a floor one after the other, bounce and strike again.
+    def test_touches_name_their_shapes_and_have_their_own_peaks_and_impulses(self):
+        path = self.write("""unlatch: 1
+name: feet
+step: {dt: 1 ms, until: 2}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, box: {centre: [0, 0, -0.5], size: [9, 9, 1]}}]}
+bodies:
+  sat: {mass: 2, inertia: [0.1, 0.1, 0.1], position: [0, 0, 0.5], attitude: {rotate: [[y, 2 deg]]}, shape: [{name: left, sphere: {centre: [-0.3, 0, 0], radius: 0.1}}, {name: right, sphere: {centre: [0.3, 0, 0], radius: 0.1}}]}
+contacts:
+  feet: {between: [sat, ground.floor], stiffness: 0.2 MN/m, damping: 0.3}
+requirements:
+  - {id: high, position: {body: sat, along: [0, 0, 1]}, at_least: 0.05}
+clearance: [[sat.left, ground]]
+""")
+        log = self.folder / "feet.log"
+        report = self.run_json(UNLATCH, "run", path, "--log", log)
+        contact = report["contacts"][0]
+        self.assertEqual(len(contact["each"]), contact["touches"])
+        self.assertEqual(contact["each"][0]["shapes"][0], "sat.right – ground.floor")  # the lower one: x turned down
+        self.assertTrue({"sat.left – ground.floor"} <= {name for touch in contact["each"] for name in touch["shapes"]})
+        self.assertAlmostEqual(sum(touch["impulse"] for touch in contact["each"]), contact["impulse"], delta=1e-9 * contact["impulse"])
+        self.assertAlmostEqual(sum(touch["duration"] for touch in contact["each"]), contact["duration"], delta=1e-9)
+        self.assertEqual(max(touch["peak_force"] for touch in contact["each"]), contact["peak_force"])
+        self.assertEqual(max(touch["depth"] for touch in contact["each"]), contact["depth"])
+        self.assertEqual(contact["each"][0]["t"], contact["touch"])
+        touched = [event for event in report["events"] if event["name"] == "touch"]
+        self.assertEqual(touched[0]["shapes"], "sat.right – ground.floor")
+        self.assertLess(report["clearance"][0]["min"], 0)  # the depth of the left foot in the floor
+        out = self.folder / "feet.json"
+        self.run_ok(UNLATCH, "export", log, "--format", "json", "--every", "500", "--out", out)
+        lines = [json.loads(line) for line in out.read_text().splitlines()]
+        self.assertEqual([line["impulse"] for line in lines if line["kind"] == "touch"], [touch["impulse"] for touch in contact["each"]])
+        self.assertEqual([line.get("shapes") for line in lines if line["kind"] == "event" and line["name"] == "touch"],
+                         [event["shapes"] for event in touched])
+        self.assertEqual([shape["name"] for shape in lines[0]["ground"]], ["floor"])
+
+    # The same flight beside a dummy body welded to the ground.
+    def test_shapes_of_the_ground_are_those_of_a_welded_body(self):
+        fixed = """unlatch: 1
+name: fixed
+step: {dt: 1 ms, until: 1}
+gravity: {uniform: [0, 0, -9.81]}
+GROUND
+bodies:
+DUMMY
+  ball: {mass: 2, inertia: [0.1, 0.1, 0.1], position: [0, 0, 1], velocity: [1, 0, 0], shape: [{name: skin, sphere: {radius: 0.1}}]}
+contacts:
+  blow: {between: [ball.skin, FLOOR], stiffness: 0.2 MN/m, damping: 0.3, friction: 0.2}
+clearance: [[ball, FLOOR]]
+"""
+        shape = "[{name: floor, box: {centre: [0, 0, -0.5], size: [9, 9, 1]}}]"
+        ground = fixed.replace("GROUND", f"ground: {{shape: {shape}}}").replace("DUMMY\n", "").replace("FLOOR", "ground.floor")
+        weld = (fixed.replace("GROUND", "joints: {bed: {between: [ground, pad], modes: {held: {kind: weld}}}}").replace("FLOOR", "pad.floor")
+                .replace("DUMMY", f"  pad: {{mass: 1e9, inertia: [1e9, 1e9, 1e9], shape: {shape}}}"))
+        a, b = (self.run_json(UNLATCH, "run", self.write(text)) for text in (ground, weld))
+        for k in range(3):
+            self.assertAlmostEqual(a["samples"][-1]["bodies"]["ball"]["p"][k], b["samples"][-1]["bodies"]["ball"]["p"][k], delta=1e-9)
+        self.assertAlmostEqual(a["clearance"][0]["min"], b["clearance"][0]["min"], delta=1e-12)
+        self.assertAlmostEqual(a["contacts"][0]["impulse"], b["contacts"][0]["impulse"], delta=1e-9)
+        mistake = self.run_ok(UNLATCH, "check", self.write(ground.replace("ground.floor]]", "ground.wall]]")), code=2).stderr
+        self.assertIn("unknown shape 'wall' of the ground", mistake)
+
+    # A body whose centre of mass is moved flies as one whose points have all been written anew.
+    def test_a_shifted_centre_of_mass_is_that_of_points_written_anew(self):
+        body = """unlatch: 1
+name: shift
+step: {dt: 1 ms, until: 1}
+bodies:
+  stage: {mass: 100, inertia: [10, 10, 10]}
+  sat: {mass: 10, inertia: [1, 2, 3], KEY}
+joints:
+  band: {between: [stage, sat], point: [1, 0, 0], follower_point: FOOT, modes: {held: {kind: weld}, open: {kind: free}}, mode: held}
+elements:
+  push: {type: pusher, between: [stage, sat], point: [1, 0.1, 0], follower_point: PUSHED, guide: [1, 0, 0], stroke: 50 mm, preload: 100, stiffness: 1000}
+events:
+  - {name: go, when: {time: 0.1}, then: [{set_mode: {joint: band, mode: open}}]}
+requirements:
+  - {id: rate, rate: {body: sat}, at_most: 100}
+"""
+        shifted = (body.replace("KEY", "position: [1.5, 0, 0], centre_of_mass: [0, 5 mm, -3 mm]").replace("FOOT", "[-0.5, 0, 0]")
+                   .replace("PUSHED", "[-0.5, 0.1, 0]"))
+        written = (body.replace("KEY", "position: [1.5, 0.005, -0.003]").replace("FOOT", "[-0.5, -0.005, 0.003]")
+                   .replace("PUSHED", "[-0.5, 0.095, 0.003]"))
+        a, b = (self.run_json(UNLATCH, "run", self.write(text)) for text in (shifted, written))
+        self.assertAlmostEqual(a["verdict"][0]["value"], b["verdict"][0]["value"], delta=1e-12)
+        self.assertGreater(b["verdict"][0]["value"], 0.01)
+        for side in ("along", "across"):
+            self.assertAlmostEqual(a["separations"][0]["velocity"][side], b["separations"][0]["velocity"][side], delta=1e-12)
+        self.assertAlmostEqual(a["separations"][0]["end_of_push"], b["separations"][0]["end_of_push"], delta=1e-12)
+        none = self.run_json(UNLATCH, "run", self.write(shifted.replace("centre_of_mass: [0, 5 mm, -3 mm]", "centre_of_mass: [0, 0, 0]")))
+        plain = self.run_json(UNLATCH, "run", self.write(shifted.replace(", centre_of_mass: [0, 5 mm, -3 mm]", "")))
+        self.assertEqual(none["hash"], plain["hash"])
+
+    def test_a_plain_number_for_a_constant_keeps_the_constants_unit(self):
+        path = self.write("""unlatch: 1
+name: unit
+step: {dt: 1 ms, until: 10 ms}
+constants: {side: 5 mm, twice: 2 * side}
+bodies: {box: {mass: 1, inertia: [1, 1, 1], position: [side, twice + 1 mm, 0]}}
+""")
+        for value, x, y in (("0.002", 0.002, 0.005), ("2 mm", 0.002, 0.005), ("0.5 + 0.5", 1, 2.001), ("0", 0, 0.001)):
+            place = self.run_json(UNLATCH, "run", path, "--set", f"constants.side={value}")["samples"][-1]["bodies"]["box"]["p"]
+            self.assertAlmostEqual(place[0], x, delta=1e-15)
+            self.assertAlmostEqual(place[1], y, delta=1e-15)
+
+    def test_a_run_reports_what_check_warns_of(self):
+        path = self.write(COINCIDENT)
+        warned = self.run_json(UNLATCH, "check", path)["warnings"]
+        self.assertTrue(warned)
+        self.assertEqual(self.run_json(UNLATCH, "run", path, code=1)["warnings"], warned)
+        self.assertIn(warned[0]["text"], self.run_ok(UNLATCH, "run", path, code=1).stdout)
+
     def test_the_step_that_a_notice_proposes_suffices(self):
         path = self.write(BLOW.replace("SUBSTEPS", "1"))
         report = self.run_json(UNLATCH, "run", path, code=1)

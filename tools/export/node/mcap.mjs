@@ -4,11 +4,13 @@ import { loadZstd } from './zstd.mjs';
 import { FrameTransforms, Log, SceneUpdate } from '@foxglove/schemas/jsonschema';
 import { closeSync, openSync, writeSync } from 'node:fs';
 
-import { buildEntity, buildTransform } from './scene.mjs';
+import { buildEntity, buildGround, buildTransform } from './scene.mjs';
 
 const INFO = 2;  // of foxglove.Log
 const SMALL = 0.05;  // m, of a body without a shape
 const number = { type: 'number' };
+const TOUCH = { type: 'object', properties: { contact: { type: 'string' }, shapes: { type: 'array', items: { type: 'string' } },
+  ...Object.fromEntries(['t', 'lift', 'duration', 'peak_force', 'peak_t', 'depth', 'impulse'].map((name) => [name, number])) } };
 
 class File {
   #file;
@@ -36,6 +38,8 @@ class Recording {
     this.#channels.set(topic, { id, sequence: 0 });
   }
 
+  has(topic) { return this.#channels.has(topic); }
+
   async add(topic, time, message) {
     const channel = this.#channels.get(topic);
     await this.#writer.addMessage({
@@ -55,7 +59,7 @@ async function addChannels(recording, head) {
   await recording.addChannel('/events', 'foxglove.Log', Log);
   for (const [topic, outputs] of groupOutputs(head)) {
     const units = outputs.map((output) => [output.what, [output.columns[0].unit, output.frame].filter(Boolean).join(', ')]);
-    const numbers = ['/elements', '/signals'].some((folder) => topic.startsWith(folder)) ? number : { type: 'array', items: number };
+    const numbers = ['/elements', '/signals', '/quantities'].some((folder) => topic.startsWith(folder)) ? number : { type: 'array', items: number };
     const properties = Object.fromEntries(outputs.map((output) => [keyOf(output), isVector(output) ? listNumbers(['x', 'y', 'z']) : numbers]));
     if (topic.startsWith('/joints')) Object.assign(properties, listNumbers(head.rows).properties, { mode: { type: 'string' } });
     await recording.addChannel(topic, SCHEMAS[topic.split('/')[1]], { type: 'object', properties }, units);
@@ -73,20 +77,22 @@ function groupOutputs(head) {
   const topics = new Map();
   for (const output of head.outputs) {
     const [group, of, what] = output.name.split('.');
-    const topic = { body: `/bodies/${of}`, joint: `/joints/${of}`, element: `/elements/${of}`, sensor: `/sensors/${of}`, signal: '/signals' }[group];
+    const topic = { body: `/bodies/${of}`, joint: `/joints/${of}`, element: `/elements/${of}`, sensor: `/sensors/${of}`, received: `/received/${of}`, signal: '/signals', quantity: '/quantities' }[group];
     if (topic === undefined) continue;
     if (!topics.has(topic)) topics.set(topic, []);
-    topics.get(topic).push({ ...output, group, of, what: what ?? (group === 'sensor' ? 'values' : of) });
+    topics.get(topic).push({ ...output, group, of, what: what ?? (isSensor(group) ? 'values' : of) });
   }
   return topics;
 }
 
 const SCHEMAS = {
-  bodies: 'unlatch.Body', joints: 'unlatch.Joint', elements: 'unlatch.Element', sensors: 'unlatch.Sensor', signals: 'unlatch.Signals',
+  bodies: 'unlatch.Body', joints: 'unlatch.Joint', elements: 'unlatch.Element', sensors: 'unlatch.Sensor', received: 'unlatch.Sensor', signals: 'unlatch.Signals',
+  quantities: 'unlatch.Quantities',
 };
 const KEYS = { position: 'p', attitude: 'q', velocity: 'v', rate: 'w', acceleration: 'a', angular_acceleration: 'alpha' };
 const keyOf = (output) => (output.group === 'body' ? KEYS[output.what] ?? output.what : output.what);
-const isVector = (output) => output.columns.length === 3 && output.group !== 'sensor';
+const isSensor = (group) => group === 'sensor' || group === 'received';
+const isVector = (output) => output.columns.length === 3 && !isSensor(output.group);
 const toObject = (value) => (value.length === 3 ? { x: value[0], y: value[1], z: value[2] } : value);
 const mapValues = (object) => Object.fromEntries(Object.entries(object).map(([key, value]) => [key, Array.isArray(value) ? toObject(value) : value]));
 
@@ -107,6 +113,8 @@ async function addTick(recording, head, tick) {
   }
   for (const [name, element] of Object.entries(tick.elements)) await recording.add(`/elements/${name}`, time, element);
   for (const [name, values] of Object.entries(tick.sensors)) await recording.add(`/sensors/${name}`, time, { values });
+  for (const [name, values] of Object.entries(tick.received ?? {})) await recording.add(`/received/${name}`, time, { values });
+  if (Object.keys(tick.quantities ?? {}).length > 0) await recording.add('/quantities', time, tick.quantities);
   if (Object.keys(tick.signals).length > 0) await recording.add('/signals', time, tick.signals);
   if (Object.keys(tick.channels).length > 0) await recording.add('/channels', time, tick.channels);
   const clearance = Object.fromEntries(tick.clearance.map((value, i) => [nameOf(head.clearance[i]), value]).filter(([, value]) => value !== null));
@@ -125,13 +133,17 @@ export async function writeMcap(lines, path) {
       head = line;
       await addChannels(recording, head);
       await recording.add('/scene', toTime(head.first_t), {
-        deletions: [], entities: head.bodies.map((body, i) => buildEntity(body, i, SMALL)) });
+        deletions: [], entities: [...head.bodies.map((body, i) => buildEntity(body, i, SMALL)), ...buildGround(head.ground)] });
     } else if (line.kind === 'tick') {
       await addTick(recording, head, line);
+    } else if (line.kind === 'touch') {
+      if (!recording.has('/touches')) await recording.addChannel('/touches', 'unlatch.Touch', TOUCH, [['units', 's, N, m, N s']]);
+      const { kind, ...touch } = line;
+      await recording.add('/touches', toTime(line.t), touch);
     } else if (line.kind === 'event') {
       const time = toTime(line.t);
       await recording.add('/events', time, {
-        timestamp: toStamp(time), level: INFO, message: `${line.name} ${line.subject}`.trim(), name: 'unlatch', file: '', line: 0 });
+        timestamp: toStamp(time), level: INFO, message: `${line.name} ${line.subject}${line.shapes ? ` (${line.shapes})` : ''}`.trim(), name: 'unlatch', file: '', line: 0 });
     } else if (line.kind === 'end') {
       const text = ['scenario', 'program', 'compiler', 'model_hash'].map((key) => [key, String(head[key])]);
       await writer.addMetadata({ name: 'unlatch', metadata: new Map([...text, ['status', line.status], ['hash', line.hash]]) });

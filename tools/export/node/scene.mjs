@@ -121,6 +121,9 @@ export function buildEntity(body, index, small) {
   return entity;
 }
 
+// What stands still, if anything does.
+export const buildGround = (shapes) => (shapes.length === 0 ? [] : [{ ...buildEntity({ name: 'world', mass: 0, shapes }, 7, 0), id: 'ground', metadata: [] }]);
+
 export function buildTransform(name, body, timestamp) {
   return {
     timestamp, parent_frame_id: 'world', child_frame_id: name, translation: toVector(body.p), rotation: toQuaternion(body.q),

@@ -59,6 +59,7 @@ export function buildHead(data, runs, clock) {
     for (const { t, name, subject, text } of run.notices.filter((notice) => notice.name.startsWith('accuracy.'))) {
       banners.push(el('p', { class: 'banner warn' }, `${who}not resolved by the step from ${t.toFixed(6)} s on: ${name.slice(9)} ${subject}: ${text}`));
     }
+    for (const { where, text } of run.warnings) banners.push(el('p', { class: 'banner warn' }, `${who}at the start: ${where} ${text}`));
     for (const verdict of run.verdicts) banners.push(el('p', { class: 'banner warn' }, who + verdict));
   }
   const titles = [...new Set(runs.map((run) => run.title || run.scenario))];

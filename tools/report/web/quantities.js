@@ -182,6 +182,13 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
   Array.from({ length: sensor.width }, (_, k) => ({ unit: sensor.unit, column: sensor.column + k,
     name: sensor.width > 1 ? `${sensor.name}.${XYZ[k] ?? k}` : sensor.name }))));
 
+// Components that flight software had otherwise than they were measured, each beside the one measured.
+const receivedSensors = (run) => run.received.flatMap((sensor, i) => Array.from({ length: sensor.width }, (_, k) => {
+  const measured = run.sensors[i].column + k, received = sensor.column + k, name = sensor.width > 1 ? `${sensor.name}.${XYZ[k] ?? k}` : sensor.name;
+  const differs = run.column(measured).some((value, at) => value !== run.column(received)[at]);
+  return differs ? [{ unit: sensor.unit, column: received, name: `${name} as received` }, { unit: sensor.unit, column: measured, name: `${name} as measured` }] : [];
+}).flat());
+
 // Quantities that requirements judge, each in its interval: also displacements, angles, speeds and components that have no plot of their own.
 function requirements(runs) {
   const ids = [...new Set(runs.flatMap((run) => run.verdict.map((item) => item.id)))];
@@ -199,7 +206,8 @@ export function buildQuantities(runs) {
   const all = [
     requirements(runs), clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
     { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(), oneSided(runs), contacts(),
-    { kind: 'sensor', ...byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors) },
+    { kind: 'sensor', ...byUnit('Sensors', 'as measured; positions, rates and reactions have plots of their own', runs, ownSensors) },
+    byUnit('Sensors as received', 'by flight software: stuck, biased, delayed or dropped by faults; the values measured beside them', runs, receivedSensors),
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
   ];
   return all.filter((group) => runs.some((run) => group.choices.some((choice) => choice.build(run).length > 0)));

@@ -10,6 +10,7 @@ function decode(text, Type) {
 export const BODY = { p: 0, q: 3, v: 7, w: 10 };
 export const ROWS = ['x', 'y', 'z', 'rot_x', 'rot_y', 'rot_z'];
 export const GROUND = -1;
+const MOST_OF_A_NAME = 200;  // events of the session, in the list
 
 export class Run {
   constructor(json, label) {
@@ -91,11 +92,13 @@ export class Run {
   timeline() {
     const entry = (kind) => ({ t, name, subject }) => ({ t, name, subject, kind, run: this });
     const notice = (item) => entry(item.name.startsWith('fault.') ? 'fault' : item.name.startsWith('accuracy.') ? 'accuracy' : 'notice')(item);
-    const late = this.timing.worst_overruns.map((overrun) => ({
-      t: overrun.tick * this.dt, name: `overrun.${overrun.cause}`, subject: `${(overrun.late_ns * 1e-3).toFixed(1)} µs late`,
-      kind: 'overrun', run: this,
-    }));
-    const all = [...this.events.map(entry('event')), ...this.notices.map(notice), ...late];
+    const isSaid = new Set(this.notices.map((item) => item.name));  // what the executive said is among the notices
+    const byName = new Map();
+    for (const item of this.session_events) if (!isSaid.has(item.name)) (byName.get(item.name) ?? byName.set(item.name, []).get(item.name)).push(item);
+    const many = [...byName.values()].flatMap((list) => list.slice(0, MOST_OF_A_NAME).map((item, i) => (
+      i === MOST_OF_A_NAME - 1 && list.length > MOST_OF_A_NAME ? { ...item, subject: `${item.subject}; and ${list.length - MOST_OF_A_NAME} more` } : item)));
+    const session = (item) => entry(item.name.startsWith('overrun.') ? 'overrun' : item.name.startsWith('fault.') ? 'fault' : 'notice')(item);
+    const all = [...this.events.map(entry('event')), ...this.notices.map(notice), ...many.map(session)];
     if (this.status === 'fault') all.push({ t: this.last, name: 'fault', subject: this.message, kind: 'fault', run: this });
     return all.sort((a, b) => a.t - b.t);
   }

@@ -5,6 +5,7 @@ import { GROUND } from './run.js';
 import { Arrow, buildBody, calcReach, quaternion } from './shapes.js';
 
 const vector = (v) => new THREE.Vector3(v[0], v[1], v[2]);
+const GROUND_COLOUR = '#8a8a8a';
 const CORD_POINTS = 130;  // of a cord on a drum, its end the last
 
 export class Actors {
@@ -16,6 +17,8 @@ export class Actors {
     this.bodies = run.bodies.map((body) => buildBody(body, ghost ? 'ghost' : body.assumed ? 'assumed' : 'solid'));
     this.reach = Math.max(...this.bodies.map(calcReach));
     this.group.add(...this.bodies);
+    this.fixed = run.ground_shapes.length > 0 ? buildBody({ shapes: run.ground_shapes }, ghost ? 'ghost' : 'solid') : null;
+    if (this.fixed) this.group.add(this.fixed);
     this.show = { reactions: true, loads: true, paths: true };
     this.reactions = ghost ? [] : run.joints.map(() => new Arrow(false));
     this.loads = ghost ? [] : run.loads.map(() => new Arrow(true));
@@ -66,6 +69,7 @@ export class Actors {
   paint() {
     const reaction = colour(2), load = colour(6);
     this.bodies.forEach((body, i) => body.userData.paint(colour(i)));
+    this.fixed?.userData.paint(GROUND_COLOUR);
     for (const arrow of this.reactions) arrow.material.color.set(reaction);
     for (const arrow of this.loads) arrow.material.color.set(load);
     for (const line of [...this.springs, ...this.pushers.map((pusher) => pusher.line)]) line.material.color.set(colour(5));
@@ -99,6 +103,7 @@ export class Actors {
     });
     const ground = vector(run.origin(place).map((value, k) => -value - view.p[k]));  // W's origin, seen from the view's
     this.ground = { p: ground, q: new THREE.Quaternion() };
+    this.fixed?.position.copy(ground);
     this.reactions.forEach((arrow, i) => this.updateReaction(arrow, run.joints[i], place, metresPerNewton, thickness));
     this.loads.forEach((arrow, i) => this.updateLoad(arrow, run.loads[i], place, metresPerNewton, thickness));
     this.springs.forEach((line, i) => this.updateSpring(line, run.springs[i], place));

@@ -15,6 +15,7 @@
 #include "tools/common/text.h"
 #include "tools/program/exit_codes.h"
 #include "tools/unlatch/check/check_findings.h"
+#include "tools/unlatch/results/finding_report.h"
 #include "tools/unlatch/check/check_json.h"
 #include "tools/unlatch/check/graph.h"
 #include "tools/unlatch/check/verbs.h"
@@ -163,6 +164,24 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
+// Warnings of the scenario, and those at the corners of what a campaign may draw.
+nlohmann::ordered_json print_campaign_findings(std::FILE* to, const hil::Campaign& campaign) {
+  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+  for (const hil::CampaignFinding& one : hil::list_campaign_findings(campaign)) {
+    if (warnings.empty()) std::fprintf(to, "Warnings of the scenario\n");
+    const std::string corners =
+        one.corners == 0 ? ""
+                         : format(" (at %d of %d corners of what may be drawn)", one.corners, hil::kFindingCorners);
+    const std::string text = one.finding.where + (one.finding.where.empty() ? "" : " ") + one.finding.text + corners;
+    std::fprintf(to, "  %s\n", paint(to, Colour::kYellow, text).c_str());
+    warnings.push_back({{"name", one.finding.name},
+                        {"where", one.finding.where},
+                        {"text", one.finding.text},
+                        {"corners", one.corners}});
+  }
+  return warnings;
+}
+
 // Parameters with their paths and quantiles; what may be drawn has been tried.
 int check_campaign(const ScenarioOptions& options, const std::string& json) {
   const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
@@ -196,19 +215,7 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
       std::fprintf(to, "  %-24s from the table: %s\n", parameter.name.c_str(), paths.c_str());
     list.push_back({{"name", parameter.name}, {"paths", parameter.paths}, {"unit", parameter.unit}});
   }
-  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
-  for (const hil::CampaignFinding& one : hil::list_campaign_findings(campaign)) {
-    if (warnings.empty()) std::fprintf(to, "Warnings of the scenario\n");
-    const std::string corners =
-        one.corners == 0 ? ""
-                         : format(" (at %d of %d corners of what may be drawn)", one.corners, hil::kFindingCorners);
-    const std::string text = one.finding.where + (one.finding.where.empty() ? "" : " ") + one.finding.text + corners;
-    std::fprintf(to, "  %s\n", paint(to, Colour::kYellow, text).c_str());
-    warnings.push_back({{"name", one.finding.name},
-                        {"where", one.finding.where},
-                        {"text", one.finding.text},
-                        {"corners", one.corners}});
-  }
+  const nlohmann::ordered_json warnings = print_campaign_findings(to, campaign);
   std::fprintf(to, "%s is valid\n", campaign.file.c_str());
   if (!json.empty())
     write_json(nlohmann::ordered_json{{"schema", 1},
@@ -255,6 +262,9 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
         hil::is_optimize_problem(hil::read_text_file(options.path, "scenario"))) {
       const hil::OptimizeProblem problem = hil::load_optimize_problem(options.path);
       print_problem(get_people_stream(json), problem);
+      const hil::Scenario& nominal = problem.tree->get_nominal();
+      print_findings(get_people_stream(json), nominal, hil::list_findings(nominal, *hil::build_simulation(nominal)));
+      if (problem.campaign) print_campaign_findings(get_people_stream(json), *problem.campaign->nominal);
       if (!json.empty()) write_problem_json(problem, json);
       return kExitDone;
     }

@@ -27,10 +27,11 @@ void add_outputs_option(Command command, std::string& text) {
       .type_name("PATTERN,...");
 }
 
-std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text) {
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text,
+                                             hil::SensorsShown shown) {
   if (text.empty()) return scenario.outputs;
   try {
-    return hil::parse_outputs(text, scenario.dt, hil::list_outputs(scenario));
+    return hil::parse_outputs(text, scenario.dt, hil::list_outputs(scenario, shown));
   } catch (const std::invalid_argument& error) {
     refuse_option("--outputs", error.what());
   }

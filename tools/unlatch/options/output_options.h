@@ -18,6 +18,7 @@ void add_junit_option(Command command, std::string& junit);
 // --outputs. `text`: empty for those of the scenario.
 void add_outputs_option(Command command, std::string& text);
 // The groups of --outputs, else the scenario's. Refuses names that are none.
-std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text);
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text,
+                                             hil::SensorsShown shown = hil::SensorsShown::kSampled);
 
 }  // namespace unlatch::tools

@@ -82,9 +82,10 @@ std::unique_ptr<Sink> build_sink(const std::string& format, std::FILE* stream) {
 }
 
 // Groups that state no rate go out at --every.
-std::vector<hil::SelectedOutputs> choose_groups(const ExportOptions& options, const hil::Scenario& scenario) {
-  const std::vector<hil::Output> list = hil::list_outputs(scenario);
-  std::vector<hil::OutputGroup> groups = choose_outputs(scenario, options.outputs);
+std::vector<hil::SelectedOutputs> choose_groups(const ExportOptions& options, const hil::Scenario& scenario,
+                                                hil::SensorsShown shown) {
+  const std::vector<hil::Output> list = hil::list_outputs(scenario, shown);
+  std::vector<hil::OutputGroup> groups = choose_outputs(scenario, options.outputs, shown);
   for (hil::OutputGroup& group : groups)
     if (group.rate.every == 1) group.rate.every = options.every;
   std::vector<hil::SelectedOutputs> selected =
@@ -96,7 +97,7 @@ int write_fmu(const ExportOptions& options) {
   if (!options.format.empty() || !options.out.empty())
     refuse_option("--fmu", "the FMU is the output; --format and --out are for recordings");
   const hil::Scenario scenario = hil::load_scenario(options.log, options.overrides);
-  const hil::ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
+  const hil::ClearanceMonitor monitor(scenario.clearance, scenario.shapes, scenario.ground_shapes);
   for (const hil::Clearance& pair : monitor.get())
     if (pair.method == hil::DistanceMethod::kMesh)
       refuse_option("--fmu",
@@ -123,9 +124,16 @@ int run(const ExportOptions& options) {
   OpenedLog opened(options.log);
   hil::RecordingReader& recording = opened.recording;
   hil::Simulation& simulation = *opened.simulation;
+  // Contacts alone need an analysis: the shapes of their touches, and each touch.
+  std::optional<hil::RunAnalysis> analysis;
+  if (!opened.scenario.model.contacts.empty())
+    analysis.emplace(opened.scenario, simulation,
+                     hil::AnalysisRequest{.accuracy = false, .reactions = false, .redundancy = false, .pushes = false});
   std::optional<Selection> selection;
   try {
-    selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario), recording.header.last_tick);
+    const hil::SensorsShown shown = hil::get_sensors_shown(recording.header);
+    selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario, shown),
+                      recording.header.last_tick, shown, analysis ? &*analysis : nullptr);
   } catch (const std::invalid_argument& error) {
     refuse_option("--bodies", error.what());
   }
@@ -134,14 +142,17 @@ int run(const ExportOptions& options) {
   sink->begin(*selection, recording.header);
 
   Progress progress(recording.header.dt, recording.header.last_tick);
-  const hil::ReplayResult result = hil::replay(recording, simulation, nullptr, [&](const StepReport& report) {
+  const hil::ReplayResult result = hil::replay(recording, simulation, analysis ? &*analysis : nullptr, [&](const StepReport& report) {
     progress.show(simulation.get_tick());
-    if (!selection->look(report)) return;
+    selection->set_received(recording.received);
+    if (!selection->look(report, recording.take_events())) return;
     sink->add_tick(*selection);
     destination.check();
   });
   progress.clear();
   if (selection->look_at_end()) sink->add_tick(*selection);
+  if (analysis)
+    for (const hil::ContactRecord& contact : analysis->list_contacts()) sink->add_contact(contact);
   const std::string status = describe_status(recording, result);
   const std::string why = recording.end ? recording.end->message : recording.shortfall;
   sink->end({status, why, to_hex(simulation.calc_hash())});

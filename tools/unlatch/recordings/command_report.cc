@@ -60,10 +60,10 @@ Json build_run(const std::string& path, std::size_t budget, bool& sound) {
   ReplayedLog log(path);
   const hil::LogHeader& header = log.opened.recording.header;
   const hil::Simulation& simulation = *log.opened.simulation;
-  FrameRecorder frames(log.opened.scenario, simulation, log.analysis);
+  FrameRecorder frames(log.opened.scenario, simulation, log.analysis, hil::get_sensors_shown(header));
   Progress progress(header.dt, header.last_tick);
   log.replay([&](const StepReport& step) {
-    frames.look(step);
+    frames.look(step, log.opened.recording.received);
     progress.show(simulation.get_tick());
   });
   progress.clear();

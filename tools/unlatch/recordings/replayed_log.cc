@@ -28,11 +28,12 @@ ReplayedLog::ReplayedLog(const std::string& path, const std::string& chosen)
     : opened(path),
       analysis(opened.scenario, *opened.simulation),
       outputs(opened.scenario, *opened.simulation, {opened.recording.header.last_tick},
-              choose_outputs(opened.scenario, chosen)) {}
+              choose_outputs(opened.scenario, chosen, hil::get_sensors_shown(opened.recording.header)),
+              hil::get_sensors_shown(opened.recording.header)) {}
 
 void ReplayedLog::replay(const std::function<void(const StepReport&)>& look) {
   result = hil::replay(opened.recording, *opened.simulation, &analysis, [&](const StepReport& report) {
-    outputs.look();
+    outputs.look(opened.recording.received);
     if (look) look(report);
   });
   outputs.finish();
@@ -54,7 +55,9 @@ RunReport ReplayedLog::build_report() const {
           {},
           {},
           {},
-          &outputs};
+          &outputs,
+          recording.events,
+          recording.events_left_out};
 }
 
 }  // namespace unlatch::tools

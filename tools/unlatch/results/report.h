@@ -28,6 +28,9 @@ struct RunReport {
   std::vector<std::string> unfit = {};    // readers and writers that DDS has not connected, a sentence each
   std::optional<hil::AccuracyReport> accuracy = {};
   const hil::RunOutputs* outputs = nullptr;  // samples and series; none: neither is written
+  // Events of the session, notices among them: faults, policies, participants, refused, late, overruns.
+  std::vector<hil::EventMessage> session_events = {};
+  std::int64_t session_events_left_out = 0;  // there were too many to keep
 };
 
 const char* get_status_name(hil::RunStatus status);

@@ -7,6 +7,7 @@
 #include "tools/common/text.h"
 #include "tools/export/output_json.h"
 #include "tools/unlatch/results/accuracy_report.h"
+#include "tools/unlatch/results/finding_report.h"
 #include "tools/unlatch/results/redundancy.h"
 #include "tools/unlatch/results/report.h"
 #include "tools/unlatch/results/verdict_report.h"
@@ -71,6 +72,17 @@ Json build_clearance(const hil::Clearance& clearance, const hil::PairDistance& a
 
 Json build_contact(const hil::ContactRecord& contact) {
   const auto time = [](const std::optional<double>& t) { return t ? Json(*t) : Json(nullptr); };
+  Json list = Json::array();
+  for (const hil::Touch& touch : contact.list)
+    list.push_back({{"t", touch.time},
+                    {"at_start", touch.at_start},
+                    {"lift", time(touch.lift)},
+                    {"duration", touch.duration},
+                    {"shapes", touch.pairs},
+                    {"peak_force", touch.peak_force},
+                    {"peak_t", touch.peak_time},
+                    {"depth", touch.depth},
+                    {"impulse", touch.impulse}});
   return {{"name", contact.name},
           {"touch", time(contact.touch)},
           {"lift", time(contact.lift)},
@@ -83,7 +95,8 @@ Json build_contact(const hil::ContactRecord& contact) {
           {"depth", contact.depth},
           {"impulse", contact.totals.impulse},
           {"slip", contact.totals.slip},
-          {"dissipated", contact.totals.dissipated}};
+          {"dissipated", contact.totals.dissipated},
+          {"each", list}};
 }
 
 Json build_audit(const EventAudit& audit) {
@@ -191,6 +204,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   json["events"] = Json::array();
   for (const auto& entry : report.analysis.timeline) {
     json["events"].push_back({{"t", entry.time}, {"name", entry.name}, {"subject", entry.subject}});
+    if (!entry.shapes.empty()) json["events"].back()["shapes"] = entry.shapes;
   }
   json["notices"] = Json::array();
   for (const hil::EventMessage& notice : report.notices) {
@@ -205,6 +219,14 @@ nlohmann::ordered_json build_json(const RunReport& report) {
                                {"worst_t", notice.worst_time},
                                {"unresolved", notice.unresolved}});
   }
+  json["warnings"] = build_findings_json(report.scenario, list_warnings(report.scenario));
+  json["session_events"] = Json::array();
+  for (const hil::EventMessage& event : report.session_events)
+    json["session_events"].push_back({{"t", event.time},
+                                      {"tick", event.tick},
+                                      {"name", hil::get_name(event.name)},
+                                      {"subject", hil::get_name(event.subject)}});
+  json["session_events_left_out"] = report.session_events_left_out;
   const hil::SearchTotals& search = report.analysis.search;
   json["search"] = {{"postponed", search.postponed}, {"unlocated", search.unlocated}, {"unseen", search.unseen}};
   json["samples"] = Json::array();

@@ -6,6 +6,7 @@
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/results/accuracy_report.h"
+#include "tools/unlatch/results/finding_report.h"
 #include "tools/unlatch/results/redundancy.h"
 #include "tools/unlatch/results/report.h"
 #include "tools/unlatch/results/verdict_report.h"
@@ -41,9 +42,11 @@ void print_timeline(std::FILE* to, const RunReport& report) {
   }
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
     const std::size_t first = group.front(), last = group.back();
-    std::fprintf(to, "  %12.6f s  %-20s %s\n", entries[first].time,
+    const std::string shapes = first == last && !entries[first].shapes.empty() ? "  " + entries[first].shapes : "";
+    std::fprintf(to, "  %12.6f s  %-20s %s%s\n", entries[first].time,
                  names[first] == names[last] ? names[first].c_str() : name_group(group, names).c_str(),
-                 subjects[first] == subjects[last] ? subjects[first].c_str() : name_group(group, subjects).c_str());
+                 subjects[first] == subjects[last] ? subjects[first].c_str() : name_group(group, subjects).c_str(),
+                 shapes.c_str());
   }
   print_search(to, report.analysis.search);
 }
@@ -280,6 +283,7 @@ void print_report(std::FILE* to, const RunReport& report) {
   print_reactions(to, report);
   print_audit(to, report.analysis.audits);
   print_energy(to, report.analysis.accuracy().get_energy());
+  print_findings(to, report.scenario, list_warnings(report.scenario));
   print_accuracy_notices(to, report);
   if (report.accuracy) print_accuracy(to, *report.accuracy, dt);
   print_timing(to, report.timing);

@@ -66,8 +66,9 @@ void print_side(std::FILE* to, const RunReport& report, const hil::SeparatedSide
 
 void print_separation(std::FILE* to, const RunReport& report, const hil::Separation& pair) {
   std::fprintf(to, "  %s – %s\n", get_title(report, pair.base).c_str(), get_title(report, pair.follower).c_str());
-  std::fprintf(to, "    released                 %.6f s (%s), end of push %.6f s%s%s\n", pair.release,
-               pair.joint.c_str(), pair.end, pair.pushes ? ": a spring still acts at the end of the run" : "",
+  std::fprintf(to, "    released                 %.6f s (%s%s), end of push %.6f s%s%s\n", pair.release,
+               pair.joint.c_str(), pair.indirect ? "; still joined through others" : "", pair.end,
+               pair.pushes ? ": a spring still acts at the end of the run" : "",
                pair.rejoined ? "; joined again later" : "");
   std::fprintf(to, "    relative velocity        %.6g m/s along %s, %.6g m/s across\n", pair.along, pair.axis.c_str(),
                pair.across);
@@ -148,6 +149,7 @@ nlohmann::ordered_json build_separations_json(const RunReport& report) {
                  {"end_of_push", pair.end},
                  {"still_pushed", pair.pushes},
                  {"joined_again", pair.rejoined},
+                 {"still_joined", pair.indirect},
                  {"axis", pair.axis},
                  {"velocity", {{"along", pair.along}, {"across", pair.across}}},
                  {"relative_rate", build_rate(pair.relative)},

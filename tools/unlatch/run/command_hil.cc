@@ -93,8 +93,10 @@ class Session {
     warn_of_unstable_elements(scenario_);
     if (options_.pace == hil::Pace::kFast) warn_of_absent_flight_software(scenario_);
     open_tick_source();
-    if (!options_.faults.empty()) faults_.emplace(hil::load_faults(options_.faults, scenario_));
+    if (!options_.faults.empty()) 
+      faults_.emplace(hil::load_faults(options_.faults, scenario_), simulation_->get_sensors().size());
     connect();
+    header_.has_received = faults_ || has_held_sensors();
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
     if (hosted_) hosted_->stop();
@@ -110,6 +112,12 @@ class Session {
   static constexpr std::size_t kCapacityOut = 1024;  // messages
   static constexpr int kLooksPerSecond = 100;
   static constexpr std::int64_t kListen_ns = 250'000'000;  // a simulator says Hello every tenth of a second
+
+  // Sensors with a rate of their own: flight software has the values as last sampled.
+  [[nodiscard]] bool has_held_sensors() const {
+    return std::ranges::any_of(scenario_.rates.groups,
+                               [](const hil::RateGroup& group) { return !group.sensors.empty(); });
+  }
 
   void open_tick_source() {
     if (options_.pace != hil::Pace::kRealtime) return;
@@ -243,12 +251,12 @@ class Session {
     const std::string& error = recorder_->get_error();
     const auto again = hil::build_simulation(scenario_);
     hil::RunAnalysis analysis(scenario_, *again);
-    hil::RunOutputs outputs(scenario_, *again, {end.tick}, scenario_.outputs);
     hil::RecordingReader recording(open_recording());
+    hil::RunOutputs outputs(scenario_, *again, {end.tick}, scenario_.outputs, hil::get_sensors_shown(header_));
     std::optional<hil::ReplayResult> replayed;
     std::string message = end.message;
     try {
-      replayed = hil::replay(recording, *again, &analysis, [&](const StepReport&) { outputs.look(); });
+      replayed = hil::replay(recording, *again, &analysis, [&](const StepReport&) { outputs.look(recording.received); });
       outputs.finish();
     } catch (const hil::LogError& lossy) {
       message += (message.empty() ? "" : "; ") + std::string(lossy.what());
@@ -260,8 +268,22 @@ class Session {
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
     tell_unresolved(analysis, status, message);
-    const RunReport report{scenario_,         *again,   analysis, status, message, end.tick, end.hash, end.timing,
-                           recording.notices, replayed, refused_, unfit_, {},      &outputs};
+    const RunReport report{scenario_,
+                           *again,
+                           analysis,
+                           status,
+                           message,
+                           end.tick,
+                           end.hash,
+                           end.timing,
+                           recording.notices,
+                           replayed,
+                           refused_,
+                           unfit_,
+                           {},
+                           &outputs,
+                           recording.events,
+                           recording.events_left_out};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
     write_junit(report, options_.output.junit, wall_time_.get());
@@ -274,7 +296,7 @@ class Session {
   const hil::Scenario scenario_;
   const std::unique_ptr<hil::Simulation> simulation_;
   const std::int64_t last_tick_, session_;
-  const hil::LogHeader header_;
+  hil::LogHeader header_;
   std::unique_ptr<hil::TickSource> tick_source_;
   std::vector<std::string> refused_, unfit_;
   bridge::InprocHub hub_;

@@ -12,6 +12,7 @@
 #include "hil/study/campaign/samples/runner.h"
 #include "tools/campaign/campaign_data.h"
 #include "tools/campaign/page.h"
+#include "tools/campaign/review.h"
 #include "tools/campaign/summary.h"
 #include "tools/campaign/summary_text.h"
 #include "tools/common/output.h"
@@ -121,6 +122,8 @@ Json finish(const std::string& folder, double rate, const std::string& json, boo
     write_parquet(data, parquet.string());
   write_text(summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n",
              (fs::path(folder) / "summary.json").string());
+  write_text(write_requirements_csv(summary), (fs::path(folder) / "requirements.csv").string());
+  write_text(write_review(summary), (fs::path(folder) / "review.md").string());
   print_summary(get_people_stream(json), summary);
   write_json(summary, json);
   return summary;
@@ -129,7 +132,8 @@ Json finish(const std::string& folder, double rate, const std::string& json, boo
 // Exit code 1: a sample faulted or failed a requirement; of subset sampling, which looks for such samples, their
 // probability may be above what is allowed.
 int judge(const Json& summary) {
-  if (summary.contains("rare")) return summary.at("rare").at("met").get<bool>() ? kExitDone : kExitFailed;
+  if (summary.contains("rare"))
+    return summary.at("rare").at("met").get<bool>() && summary.at("unresolved").empty() ? kExitDone : kExitFailed;
   bool sound = summary.at("statuses").at("done") == summary.at("samples");
   for (const Json& requirement : summary.at("requirements")) sound = sound && requirement.at("failed") == 0;
   return sound ? kExitDone : kExitFailed;

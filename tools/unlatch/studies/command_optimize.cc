@@ -129,8 +129,8 @@ class OptimizeProgress {
     double left = spent / made * static_cast<double>(problem_.budget.runs - runs);
     if (problem_.budget.seconds > 0) left = std::min(left, std::max(0.0, problem_.budget.seconds - spent));
     std::fprintf(stderr, "%s%lld of at most %s, %s (run %zu), at most %.0f s left%s", terminal_ ? "\r\033[K" : "",
-                 static_cast<long long>(runs), count(problem_.budget.runs, "run").c_str(), best.c_str(), best_ + 1,
-                 left, terminal_ ? "" : "\n");
+                 static_cast<long long>(runs), count(std::max(runs, problem_.budget.runs), "run").c_str(), best.c_str(),
+                 best_ + 1, std::max(0.0, left), terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
   void clear() const {
@@ -161,7 +161,11 @@ int optimize(const OptimizeOptions& options) {
   hil::OptimizeEvaluations evaluations(problem, {journal, options.resume, options.jobs}, catch_interrupts(),
                                        [&] { progress.show(*known); });
   known = &evaluations;
-  const hil::OptimizeResult result = hil::search_optimum(problem, evaluations);
+  const std::string patch = (out / "patch.yaml").string();
+  const hil::OptimizeResult result =
+      hil::search_optimum(problem, evaluations, true, [&](const hil::OptimizePoint& found) {
+        if (!evaluations.was_stopped()) write_text(write_patch(problem, found), patch);
+      });
   progress.clear();
 
   OptimizeReport report{problem, evaluations, result, {}, {}};
@@ -169,15 +173,12 @@ int optimize(const OptimizeOptions& options) {
   if (!evaluations.get_samples().empty()) {
     const hil::OptimizeSample& best = evaluations.get_samples()[result.best];
     report.limits = calc_limits(problem, best.point);
-    const std::string patch = (out / "patch.yaml").string();
     patch_text = write_patch(problem, best.point);
     write_text(patch_text, patch);
     if (evaluations.was_stopped())
       report.verification.end = OptimizeVerification::End::kInterrupted;
     else if (best.status != hil::SampleStatus::kInvalid)
       report.verification = verify(problem, patch, best);
-    if (report.verification.end == OptimizeVerification::End::kDone)
-      report.verification.failures = evaluations.check_dispersed(best.point);
     if (problem.tolerance > 0 && report.verification.end == OptimizeVerification::End::kDone)
       report.verification.step_error = calc_step_error(problem, best.point, catch_interrupts());
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());

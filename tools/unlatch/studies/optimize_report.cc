@@ -24,32 +24,22 @@ using Json = nlohmann::ordered_json;
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 const char* get_sense(const Objective& objective) { return objective.maximise ? "maximise" : "minimise"; }
 
-// A constraint with a probability, by samples that the search has not seen.
-struct ProbabilityCheck {
-  enum class Verdict { kConfirmed, kOpen, kRefuted };
-  std::int64_t failed = 0, samples = 0;
-  hil::Interval bounds;  // of the probability of failure, 95 %
-  double allowed = 0;    // probability of failure
-  Verdict verdict = Verdict::kOpen;
-};
+using Verdict = hil::DispersedCheck::Verdict;
 constexpr const char* kCheckNames[] = {"confirmed", "open", "refuted"};
 
-std::optional<ProbabilityCheck> check_probability(const OptimizeReport& report, std::size_t constraint) {
-  const double probability = report.problem.constraints[constraint].probability;
-  if (!(probability > 0) || !report.verification.failures) return std::nullopt;
-  ProbabilityCheck check;
-  check.failed = (*report.verification.failures)[constraint];
-  check.samples = report.problem.campaign->checks;
-  check.bounds = hil::calc_clopper_pearson(check.failed, check.samples);
-  check.allowed = 1 - probability;
-  if (check.bounds.high <= check.allowed) check.verdict = ProbabilityCheck::Verdict::kConfirmed;
-  if (check.bounds.low > check.allowed) check.verdict = ProbabilityCheck::Verdict::kRefuted;
-  return check;
+// Verdict of fresh samples on a constraint with a probability.
+const hil::DispersedCheck::Constraint* find_check(const OptimizeReport& report, std::size_t constraint) {
+  if (!(report.problem.constraints[constraint].probability > 0) || !report.result.check) return nullptr;
+  return &report.result.check->constraints[constraint];
+}
+
+double get_allowed(const OptimizeReport& report, std::size_t constraint) {
+  return 1 - report.problem.constraints[constraint].probability;
 }
 
 bool is_refuted(const OptimizeReport& report, std::size_t constraint) {
-  const auto check = check_probability(report, constraint);
-  return check && check->verdict == ProbabilityCheck::Verdict::kRefuted;
+  const auto* const check = find_check(report, constraint);
+  return check != nullptr && check->verdict == Verdict::kRefuted;
 }
 
 bool is_any_refuted(const OptimizeReport& report) {
@@ -61,7 +51,7 @@ bool is_any_refuted(const OptimizeReport& report) {
 // The samples that the problem asks for as a check have not been flown to the end.
 bool is_check_missing(const OptimizeReport& report) {
   return report.result.feasible && hil::has_probabilities(report.problem) && report.problem.campaign->checks > 0 &&
-         !report.verification.failures;
+         !report.result.check;
 }
 
 bool is_finished(const OptimizeReport& report) {
@@ -165,7 +155,11 @@ Json build_constraints(const OptimizeReport& report, const OptimizeSample& best)
       one["active"] = study.active;
       if (study.shadow) one["shadow"] = number(*study.shadow);
     }
-    if (constraint.probability > 0) one["probability"] = constraint.probability;
+    if (constraint.probability > 0) {
+      one["probability"] = constraint.probability;
+      const auto& interval = i < report.result.intervals.size() ? report.result.intervals[i] : std::nullopt;
+      one["margin_interval"] = interval ? Json{number(interval->low), number(interval->high)} : Json(nullptr);
+    }
     all.push_back(one);
   }
   return all;
@@ -195,12 +189,13 @@ Json build_verification(const OptimizeReport& report) {
   json["hash"] = to_hex(verification.hash);
   if (verification.step_error) json["step_error"] = *verification.step_error;
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
-    if (const auto check = check_probability(report, i))
+    if (const auto* const check = find_check(report, i))
       json["dispersed"].push_back({{"id", report.problem.constraints[i].name},
-                                   {"samples", check->samples},
+                                   {"samples", report.result.check->samples},
                                    {"failed", check->failed},
+                                   {"unresolved", report.result.check->unresolved},
                                    {"probability", {check->bounds.low, check->bounds.high}},
-                                   {"allowed", check->allowed},
+                                   {"allowed", get_allowed(report, i)},
                                    {"verdict", kCheckNames[static_cast<std::size_t>(check->verdict)]}});
   return json;
 }
@@ -211,11 +206,11 @@ std::string describe_failure(const OptimizeReport& report) {
   if (status == "interrupted") return "no point so far meets all constraints";
   if (status == "infeasible") return "no point meets all constraints";
   if (status == "undecided")
-    return "the " + count(report.problem.campaign->samples, "sample") +
+    return "the " + count(report.result.flights, "sample") +
            " of the search are too few to decide: by them the nearest point misses a probability, by " +
-           (report.verification.failures ? count(report.problem.campaign->checks, "other sample") + " it may have it"
-                                         : std::string("others nothing is known")) +
-           "; raise campaign.samples";
+           (report.result.check ? count(report.result.check->samples, "other sample") + " it may have it"
+                                : std::string("others nothing is known")) +
+           "; raise campaign.samples and campaign.most";
   const hil::OptimizeBudget& budget = report.problem.budget;
   const bool by_runs = budget.seconds == 0 || report.result.search_runs >= budget.runs;
   return "no feasible point found within the budget of " +
@@ -248,12 +243,16 @@ std::string describe_violation(const OptimizeReport& report) {
   return bounds.empty() ? text : text + "; at their bounds: " + bounds;
 }
 
-void print_check(std::FILE* to, const std::string& name, const ProbabilityCheck& check) {
+void print_check(std::FILE* to, const OptimizeReport& report, std::size_t constraint) {
   constexpr const char* kTold[] = {"met", "neither shown nor refuted; more `checks` narrow it", "NOT MET"};
+  const auto& check = *find_check(report, constraint);
+  const hil::DispersedCheck& all = *report.result.check;
+  const std::string unresolved = all.unresolved > 0 ? format(", %lld unresolved", static_cast<long long>(all.unresolved)) : "";
   std::fprintf(to,
-               "  %-16s %lld of %s fail: probability of failure %.4f to %.4f (95 %%), at most %.4g is allowed: %s\n",
-               name.c_str(), static_cast<long long>(check.failed), count(check.samples, "other sample").c_str(),
-               check.bounds.low, check.bounds.high, check.allowed, kTold[static_cast<std::size_t>(check.verdict)]);
+               "  %-16s %lld of %s fail%s: probability of failure %.4f to %.4f (95 %%), at most %.4g is allowed: %s\n",
+               report.problem.constraints[constraint].name.c_str(), static_cast<long long>(check.failed),
+               count(all.samples, "other sample").c_str(), unresolved.c_str(), check.bounds.low, check.bounds.high,
+               get_allowed(report, constraint), kTold[static_cast<std::size_t>(check.verdict)]);
 }
 
 void print_verification(std::FILE* to, const OptimizeReport& report) {
@@ -270,13 +269,16 @@ void print_verification(std::FILE* to, const OptimizeReport& report) {
                  *verification.step_error,
                  is_beyond_tolerance(report) ? "MORE than the tolerance: make that smaller" : "within the tolerance");
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
-    if (const auto check = check_probability(report, i)) print_check(to, problem.constraints[i].name, *check);
+    if (find_check(report, i) != nullptr) print_check(to, report, i);
+  if (hil::has_probabilities(problem) && result.flights > problem.campaign->samples)
+    std::fprintf(to, "  the samples of the search grew from %lld to %lld, until others agreed with its verdict\n",
+                 static_cast<long long>(problem.campaign->samples), static_cast<long long>(result.flights));
   if (is_check_missing(report)) std::fprintf(to, "  check of the probabilities: %s\n", kInterrupted);
   if (hil::has_probabilities(problem) && problem.campaign->checks == 0)
     std::fprintf(to, "  no other samples have checked the probabilities (checks: 0)\n");
   if (is_any_refuted(report))
     std::fprintf(to,
-                 "  the samples of the search were too few to decide: raise campaign.samples, or the probability\n");
+                 "  the samples of the search were too few to decide: raise campaign.samples and campaign.most, or the probability\n");
 }
 
 }  // namespace
@@ -332,6 +334,7 @@ Json build_optimize_json(const OptimizeReport& report) {
             {"method", hil::kSearchMethodNames[static_cast<std::size_t>(result.method)]},
             {"exhaustive", result.exhaustive},
             {"seed", problem.seed},
+            {"samples", result.flights},
             {"runs", result.search_runs},
             {"study_runs", evaluations.get_runs() - result.search_runs}};
   if (evaluations.get_samples().empty()) return json;
@@ -405,6 +408,9 @@ void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
     std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
                  problem.constraints[i].unit.c_str(),
                  describe_constraint(problem.constraints[i], report.limits[i]).c_str());
+    if (i < result.intervals.size() && result.intervals[i])
+      std::fprintf(to, " (margin of the quantile %.4g to %.4g, 95 %%)", result.intervals[i]->low,
+                   result.intervals[i]->high);
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     std::fprintf(to, "%s\n", met ? "" : ": not met");

@@ -10,15 +10,13 @@
 
 namespace unlatch::tools {
 
-// The last run, of the file that is handed out, read anew; and the campaign's other samples.
+// The last run, of the file that is handed out, read anew.
 struct OptimizeVerification {
   enum class End { kNotFlown, kInterrupted, kDone };
   End end = End::kNotFlown;
   bool met = false;        // all constraints of the nominal run
   bool same_bits = false;  // as the sample of the search
   std::int64_t hash = 0;
-  std::optional<std::vector<std::int64_t>> failures =
-      {};                                 // of each constraint, of the other samples; nothing: not flown
   std::optional<double> step_error = {};  // of a problem with a tolerance: of the result at its step, relative
 };
 
