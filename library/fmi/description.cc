@@ -22,9 +22,9 @@ std::string describe_base(const std::string& unit) {
   } catch (const std::exception&) {
     return "";
   }
-  constexpr const char* kNames[] = {"m", "kg", "s", "rad"};  // in the order of Dimension::Base
+  constexpr const char* kNames[] = {"m", "kg", "s", "rad", "", "K"};  // in the order of Dimension::Base
   std::string xml = "<BaseUnit";
-  for (const std::size_t i : {1u, 0u, 2u, 3u})
+  for (const std::size_t i : {1u, 0u, 2u, 5u, 3u})
     if (dimension.exponents[i] != 0)
       xml += std::string(" ") + kNames[i] + "=\"" + std::to_string(dimension.exponents[i]) + "\"";
   return xml + "/>";

@@ -3,7 +3,7 @@ import math
 
 from plots import campaign
 
-# Of optimize.yaml: the array as it is, and the optimum.
+# Of synthesis.yaml: the array as it is, and the optimum.
 DESIGNS = {
     "before: springs of 0.6 N m,\ncables of 150 N m/rad": {},
     "optimum: springs of 1.48, 1.17, 0.50, 0.50 N m,\ncables of 0.92 N m/rad": {

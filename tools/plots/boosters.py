@@ -17,7 +17,7 @@ def run_case(bench, case):
     return bench.run(f"boosters/{file}", UNTIL, EVERY, *options)
 
 
-# Of optimize.yaml: where it starts, and its optimum.
+# Of synthesis.yaml: where it starts, and its optimum.
 DESIGNS = {
     "start: 9 kN, 12 ms, 5 mm, spread 5 %": {"thrust": "9 kN", "delay": "12 ms", "stroke": "5 mm", "spread": "0.05"},
     "optimum: 6.32 kN, 60 ms, 30 mm, spread 3.8 %": {"thrust": "6323.924 N", "delay": "60 ms", "stroke": "30 mm",

@@ -7,7 +7,7 @@ import math
 MODES = "fairing/fairing.modes"
 CENTRE = (0, 1.153, 5.700)  # of mass of a half, in the file's axes, m
 
-# Of optimize.yaml: where it starts, and its optimum.
+# Of synthesis.yaml: where it starts, and its optimum.
 DESIGNS = {
     "start: 140 kN/m, 0.52 m, 65 deg": {"stiffness": "140 kN/m", "stroke": "0.52 m", "release_angle": "65 deg"},
     "optimum: 50 kN/m, 0.723 m, 57.4 deg": {"stiffness": "50 kN/m", "stroke": "0.7227337 m", "release_angle": "1.0011010 rad"},

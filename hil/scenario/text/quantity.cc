@@ -11,7 +11,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr Dimension kLength{{1, 0, 0, 0}}, kMass{{0, 1, 0, 0}}, kTime{{0, 0, 1, 0}}, kAngle{{0, 0, 0, 1}},
     kForce{{1, 1, -2, 0}}, kRate{{0, 0, -1, 1}}, kFrequency{{0, 0, -1, 0, 1}}, kPressure{{-1, 1, -2, 0}},
-    kEnergy{{2, 1, -2, 0}};
+    kEnergy{{2, 1, -2, 0}}, kTemperature{{0, 0, 0, 0, 0, 1}};
 
 // Units by dimension, the SI unit first. A foot, an inch and a pound are exact by definition (1959); a pound-force is a
 // pound times the standard gravity of 9.80665 m/s2.
@@ -47,6 +47,7 @@ constexpr Unit kUnits[] = {
     {"GPa", 1e9, 1, kPressure},
     {"J", 1, 1, kEnergy},
     {"kJ", 1e3, 1, kEnergy},
+    {"K", 1, 1, kTemperature},
     {"%", 1, 100, {}},
 };
 
@@ -79,12 +80,15 @@ constexpr Named kNamed[] = {
     {{{0, 1, -1, 0}}, "a mass flow", "kg/s"},
     {{{0, 0, -1, 0, 1}}, "a frequency", "Hz"},
     {{{-1, 1, -2, 0}}, "a pressure", "Pa"},
+    {{{0, 0, 0, 0, 0, 1}}, "a temperature", "K"},
+    {{{-3, 1, 0, 0}}, "a density", "kg/m3"},
 };
 
 std::string compose_si(const Dimension& dimension) {
-  static constexpr const char* kBase[] = {"m", "kg", "s", "rad"};
+  static constexpr const char* kBase[] = {"m", "kg", "s", "rad", "", "K"};
   std::string text;
-  for (const Dimension::Base base : {Dimension::kMass, Dimension::kLength, Dimension::kTime, Dimension::kAngle}) {
+  for (const Dimension::Base base :
+       {Dimension::kMass, Dimension::kLength, Dimension::kTime, Dimension::kAngle, Dimension::kTemperature}) {
     const int exponent = dimension.exponents[base];
     if (exponent == 0) continue;
     text += (text.empty() ? "" : " ") + std::string(kBase[base]) + (exponent == 1 ? "" : std::to_string(exponent));
@@ -95,13 +99,16 @@ std::string compose_si(const Dimension& dimension) {
 }  // namespace
 
 bool Dimension::is_plain() const {
-  return std::all_of(exponents.begin(), exponents.begin() + kCycle, [](int exponent) { return exponent == 0; });
+  for (const Base base : {kLength, kMass, kTime, kAngle, kTemperature})
+    if (exponents[base] != 0) return false;
+  return true;
 }
 
 bool Dimension::takes(const Dimension& other) const {
   const int angle = exponents[kAngle], given = other.exponents[kAngle];
   const bool cycles_for_radians = other.exponents[kCycle] != exponents[kCycle] && given != angle;
   return std::equal(exponents.begin(), exponents.begin() + kAngle, other.exponents.begin()) &&
+         exponents[kTemperature] == other.exponents[kTemperature] &&
          (given == angle || given == 0) && !cycles_for_radians;
 }
 
@@ -123,8 +130,8 @@ std::string describe_dimension(const Dimension& dimension) {
 std::string describe_unit(const Dimension& dimension) {
   for (const Named& named : kNamed)
     if (named.dimension == dimension) return named.si;
-  static const char* const kNames[] = {"m", "kg", "s", "rad", "Hz"};
-  std::array<int, 5> exponents = dimension.exponents;
+  static const char* const kNames[] = {"m", "kg", "s", "rad", "Hz", "K"};
+  std::array<int, 6> exponents = dimension.exponents;
   exponents[Dimension::kTime] += exponents[Dimension::kCycle];
   std::string text;
   for (const bool below : {false, true})

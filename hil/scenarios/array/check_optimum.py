@@ -81,7 +81,7 @@ class Flights:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", type=pathlib.Path)
-    parser.add_argument("problem", type=pathlib.Path, nargs="?", default=HERE / "optimize.yaml")
+    parser.add_argument("problem", type=pathlib.Path, nargs="?", default=HERE / "synthesis.yaml")
     parser.add_argument("--evolve", type=int, default=70, metavar="GENERATIONS")
     parser.add_argument("--beside", type=float, metavar="PART")
     parser.add_argument("--design", type=float, nargs="*", help="of --beside; default: the problem's start")

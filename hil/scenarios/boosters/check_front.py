@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Compares the Pareto front of optimize-front.yaml with a grid of its design space, which no optimiser chooses:
+"""Compares the Pareto front of synthesis-front.yaml with a grid of its design space, which no optimiser chooses:
 
     check_front.py BIN [--front FILE.csv] [--levels NOZZLE,OPENING,UNLIKE] [--json]
 
@@ -18,7 +18,7 @@ import tempfile
 import yaml
 
 HERE = pathlib.Path(__file__).resolve().parent
-PROBLEM = HERE / "optimize-front.yaml"
+PROBLEM = HERE / "synthesis-front.yaml"
 
 
 def read_table(path):

@@ -17,6 +17,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr const char* kKey = "unlatch_optimize";
+constexpr const char* kEarlierKey = "unlatch_synthesis";  // of files that are older; it means the same
 constexpr std::size_t kMaxObjectives = 4;
 constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6, kMaxStarts = 1000;
 constexpr double kDefaultSamples = 64, kChecks = 4, kGrowth = 16;  // the latter two: multiples of the samples
@@ -27,12 +28,12 @@ class ProblemReader {
       : problem_(problem), folder_(std::move(folder)), mistakes_(mistakes) {}
 
   void read(const YamlNode& root) {
-    if (root.is_mapping() && root.find(kKey) == nullptr && root.find("unlatch") != nullptr)
+    if (root.is_mapping() && root.find(kKey) == nullptr && root.find(kEarlierKey) == nullptr && root.find("unlatch") != nullptr)
       return mistakes_.add(root.mark, "this is a scenario, not an optimisation problem",
                            "`unlatch run` flies it; an optimisation problem names it: `scenario: FILE`");
     YamlMap top(root, "the file", mistakes_);
     if (!root.is_mapping()) return;
-    top.read_header(kKey);
+    top.read_header(root.find(kEarlierKey) != nullptr ? kEarlierKey : kKey);
     if (const YamlNode* name = top.require("name")) problem_.name = read_name(*name, mistakes_);
     if (const YamlNode* title = top.find("title")) problem_.title = read_text(*title, mistakes_);
     read_set(top);

@@ -32,7 +32,9 @@ struct Planet {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
   bool gradient_torque = true;                         // bodies are turned by the gradient of gravity over them
 
+#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
   bool operator==(const Planet&) const = default;
+#endif
 };
 
 // Density and pressure over the altitude.
@@ -43,7 +45,9 @@ struct Atmosphere {
   std::vector<double> altitudes{};  // strictly increasing, two or more, m
   std::vector<double> densities{};  // kg/m³, > 0
   std::vector<double> pressures{};  // Pa, > 0
+#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
   bool operator==(const Atmosphere&) const = default;
+#endif
 };
 
 // Velocity of the air over the planet's surface, in its direction of motion: linear between the altitudes, constant
@@ -51,14 +55,18 @@ struct Atmosphere {
 struct Wind {
   std::vector<double> altitudes{};            // strictly increasing, m; one or more
   std::vector<Eigen::Vector3d> velocities{};  // towards north, east, down, m/s
+#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
   bool operator==(const Wind&) const = default;
+#endif
 };
 
 // A place that rests on the planet, and its axes: x along the azimuth, y to the right of it, z down.
 struct LaunchSite {
   double latitude = 0, longitude = 0, altitude = 0;  // rad, rad, m
   double azimuth = 0;                                // of x, rad
+#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
   bool operator==(const LaunchSite&) const = default;
+#endif
 };
 
 // Everything around the bodies.
@@ -67,7 +75,9 @@ struct Environment {
   std::optional<Atmosphere> atmosphere{};  // turns with the planet
   std::optional<Wind> wind{};              // no wind: the air rests on the planet
   LaunchSite launch;                       // of quantities that are seen from it
+#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
   bool operator==(const Environment&) const = default;
+#endif
 };
 
 // A point of a trajectory at which a model starts. The whole model is moved there as one: places, attitudes and motions

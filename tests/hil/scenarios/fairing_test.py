@@ -101,7 +101,7 @@ class FairingTest(ProcessTest):
         self.assertLess(nose[2], base[2] - 8e-3)
 
     def test_a_narrow_strip_of_designs_needs_less_energy_than_the_optimum_beside_it(self):
-        problem = yaml.safe_load((SCENARIOS / "fairing/optimize.yaml").read_text())
+        problem = yaml.safe_load((SCENARIOS / "fairing/synthesis.yaml").read_text())
         limits = [f"--set={path}={value}" for path, value in problem["set"].items()]
 
         def fly(travel, degrees):

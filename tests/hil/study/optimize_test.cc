@@ -192,6 +192,13 @@ class OptimizeJournal : public testing::Test {
 
 const std::vector<OptimizePoint> kPoints{{0.5}, {1}, {1.5}, {2}, {2.5}, {3}, {3.5}, {4}};
 
+TEST_F(OptimizeJournal, FilesWithTheEarlierNameOfTheKeyAreRead) {
+  std::string text = kProblem;
+  const std::string key = "unlatch_optimize";
+  text.replace(text.find(key), key.size(), "unlatch_synthesis");
+  EXPECT_EQ(hil::load_optimize_problem_text(text, "p.yaml", folder_.string()).name, problem_.name);
+}
+
 TEST_F(OptimizeJournal, IsTheSameForAnyNumberOfThreads) {
   std::vector<std::string> texts;
   for (const int jobs : {1, 3, 8}) {

@@ -640,7 +640,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
 
     def scan_shipped(self, folder, objective, scanned):
         """Returns the objectives of those designs that meet all constraints, among all combinations of {variable: (values, unit)}."""
-        problem = yaml.safe_load((SCENARIOS / folder / "optimize.yaml").read_text())
+        problem = yaml.safe_load((SCENARIOS / folder / "synthesis.yaml").read_text())
         designs = math.prod(len(values) for values, _ in scanned.values())
         for name, (values, unit) in scanned.items():  # catalogues: every combination is run, no optimiser chooses
             problem["variables"][name] = {"path": problem["variables"][name]["path"], "values": [f"{value:.16g} {unit}" for value in values]}
@@ -659,7 +659,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         return [float(row[column]) for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
 
     def test_boosters_become_cheaper_and_still_clear_the_core(self):
-        result = self.optimize_shipped("optimize.yaml", "o", 40)
+        result = self.optimize_shipped("synthesis.yaml", "o", 40)
         cost = lambda nozzle, opening, slide, unlike: nozzle / 1e3 - opening / 0.02 - slide / 0.005 - unlike / 0.05
         self.assertLess(result["objectives"][0]["value"], cost(9e3, 0.012, 0.005, 0.05) - 3)
         values = [variable["value"] for variable in result["variables"].values()]
@@ -676,17 +676,17 @@ objectives: [{minimise: a^2 + 4*b^2}]
         self.assertGreater(found["gained"], 0)
 
     def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
-        result = self.optimize_shipped("optimize-dead-nozzle.yaml", "o", 600, code=1)
+        result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 600, code=1)
         self.assertEqual(result["status"], "infeasible")
         self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # constraints of the booster whose nozzle is dead
         self.assertGreater(result["violation"]["size"], 0.5)
 
     def test_no_design_of_a_scan_is_better_than_the_boosters_optimum(self):
-        result = self.optimize_shipped("optimize.yaml", "o", 300)
+        result = self.optimize_shipped("synthesis.yaml", "o", 300)
         levels = 5
         names = {"nozzle": ("thrust", 3e3, 15e3), "opening": ("delay", 5e-3, 60e-3), "slide": ("stroke", 2e-3, 30e-3),
                  "unlike": ("spread", 0, 0.2)}
-        problem = yaml.safe_load((SCENARIOS / "boosters/optimize.yaml").read_text())
+        problem = yaml.safe_load((SCENARIOS / "boosters/synthesis.yaml").read_text())
         (self.folder / "boosters/scan.yaml").write_text(yaml.safe_dump(
             {"unlatch_campaign": 1, "name": "scan", "scenario": "design.yaml", "set": problem["set"], "sampling": "grid",
              "levels": levels, "parameters": {name: {"path": f"constants.{constant}", "uniform": {"min": low, "max": high}}
@@ -707,7 +707,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of the limits
 
     def test_no_design_of_a_scan_is_better_than_the_fairings_optimum(self):
-        result = self.optimize_shipped("optimize.yaml", "o", 600, folder="fairing")
+        result = self.optimize_shipped("synthesis.yaml", "o", 600, folder="fairing")
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
         # Over the whole range of the variables, finer near the soft springs and long strokes of the optimum.
@@ -725,7 +725,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         self.assertGreater(result["searches"][0]["objective"], optimum + 500)
 
     def test_no_design_of_a_scan_is_better_than_the_arrays_optimum(self):
-        result = self.optimize_shipped("optimize.yaml", "o", 600, folder="array")
+        result = self.optimize_shipped("synthesis.yaml", "o", 600, folder="array")
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
         active = {constraint["id"] for constraint in result["constraints"] if constraint["active"]}
@@ -744,8 +744,8 @@ objectives: [{minimise: a^2 + 4*b^2}]
 
     def test_scipy_comes_back_to_the_arrays_optima_and_finds_none_beside_them_that_is_much_better(self):
         # README.md. The parts of the ranges by which SciPy begins beside them: from others it comes to other local optima.
-        optima = {"optimize.yaml": (5.1100519, "0.005", (1.480770577, 1.166905309, 0.497967205, 0.921201921)),
-                  "optimize-ratios.yaml": (4.9126221, "0.001", (1.388088725, 0.980008320, 0.756490604, 0.802362271, 0.758847950,
+        optima = {"synthesis.yaml": (5.1100519, "0.005", (1.480770577, 1.166905309, 0.497967205, 0.921201921)),
+                  "synthesis-ratios.yaml": (4.9126221, "0.001", (1.388088725, 0.980008320, 0.756490604, 0.802362271, 0.758847950,
                                                                  0.872558484, 0.592041417, 0.3))}
         for file, (optimum, part, design) in optima.items():
             check = [sys.executable, SCENARIOS / "array/check_optimum.py", Path(UNLATCH).parent, SCENARIOS / "array" / file, "--json",

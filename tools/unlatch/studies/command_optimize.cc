@@ -207,7 +207,7 @@ void add_optimize(Command app, int& exit_code) {
       "optimize",
       "Finds values of a scenario that are best for an objective and meet its requirements. Exit code 1 if none meet "
       "them, or the verification refutes the result.",
-      "unlatch optimize hil/scenarios/boosters/optimize.yaml --out design\nunlatch run design/patch.yaml");
+      "unlatch optimize hil/scenarios/boosters/synthesis.yaml --out design\nunlatch run design/patch.yaml");
   command.add_option("FILE", options->file, "optimisation problem (.yaml)").required();
   command.add_option("--out", options->out, "folder for patch.yaml, report.html, result.json, history.csv, front.csv")
       .type_name("DIR")
