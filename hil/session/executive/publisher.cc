@@ -112,7 +112,7 @@ void Publisher::record_verdict(Reject reason, std::string_view from, std::int32_
   set_name(event.subject, {text, static_cast<std::size_t>(end - text)});
   end = name;
   if (reason != Reject::kLate) add(kRefusedPrefix);
-  add(reason == Reject::kLate ? kLateCommand : get_text(reason));
+  add(reason == Reject::kLate ? kLateCommandName : get_text(reason));
   set_name(event.name, {name, static_cast<std::size_t>(end - name)});
   event.session = session_;
   event.sequence = -1;

@@ -22,7 +22,7 @@ inline constexpr std::string_view kPolicyPrefix = "policy.";  // followed by the
 // In recordings alone, since participants get a Verdict: a message that was refused, followed by the reason, e.g.
 // refused.past_tick, and a command that acts later than it should. The subject is its sender and its channel.
 inline constexpr std::string_view kRefusedPrefix = "refused.";
-inline constexpr std::string_view kLateCommand = "command.late";
+inline constexpr std::string_view kLateCommandName = "command.late";
 // Followed by the cause, e.g. overrun.late_wakeup; the subject has the parts of the tick's time. There may be many, so
 // they are no notices.
 inline constexpr std::string_view kOverrunPrefix = "overrun.";
@@ -37,7 +37,7 @@ inline constexpr std::string_view kOverrunPrefix = "overrun.";
 [[nodiscard]] inline bool is_of_session(const EventMessage& event) noexcept {
   const std::string_view name = get_name(event.name);
   return is_notice(event) || name.starts_with(kMessageFaultPrefix) || name.starts_with(kRefusedPrefix) ||
-         name.starts_with(kOverrunPrefix) || name == kLateCommand;
+         name.starts_with(kOverrunPrefix) || name == kLateCommandName;
 }
 
 }  // namespace unlatch::hil
