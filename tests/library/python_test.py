@@ -116,7 +116,7 @@ class PythonTest(ProcessTest):
         self.assertEqual((table.rows, table.manifest["campaign"]), (6, "boosters-dispersion"))
         self.assertEqual(list(table["sample"]), [0, 1, 2, 3, 4, 5])
         self.assertEqual(set(table["status"]), {"done"})
-        self.assertEqual((table.units["nozzle:1"], table.units["distance1.margin"], table.units["mass:1"]), ("N", "m", ""))
+        self.assertEqual((table.units["nozzle:1"], table.units["distance1.margin"], table.units["mass:1"]), ("N", "m", "kg"))
         np.testing.assert_array_equal(table["distance1.margin"], table["distance1"] - 1)
         self.assertTrue(np.isnan(table["leaves1"]).any() or (table["leaves1"] > 0).all())
         # A sample equals the library's result for its overrides.

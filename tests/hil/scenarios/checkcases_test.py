@@ -86,7 +86,7 @@ REPORT = {
 PRINTED = 2e-7
 
 
-class CheckCasesTest(ProcessTest):
+class CheckcasesTest(ProcessTest):
     def get_samples(self, name, times, *options):
         found = self.run_json(UNLATCH, "run", FOLDER / f"{name}.yaml", "--sample", ",".join(map(str, times)), *options)
         return [{**sample["quantities"], **sample} for sample in found["samples"]]
