@@ -448,7 +448,7 @@ parameters:
                           "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: -1 m/s, max: 1 m/s}}\n")
         summary = self.run_campaign(path, "out", code=(0, 1))
         table = read_table(self.folder / "out")
-        names = ["m", "v [m/s]", "fast [m/s]"]
+        names = ["m [kg]", "v [m/s]", "fast [m/s]"]
         sample = ot.Sample([[float(row[name]) for name in names] for row in table])
         matrix = sample.computeSpearmanCorrelation()
         fast = next(c for c in summary["columns"] if c["name"] == "fast")
