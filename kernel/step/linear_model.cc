@@ -27,6 +27,8 @@ using Kind = LinearCoordinate::Kind;
 constexpr double kWidth = 1e-3;
 // A coordinate is free if those before it leave it at least this part of its mobility.
 constexpr double kLeastFreedom = 1e-9;
+// A mobility below this part of the largest is rounding: rows hold the coordinate.
+constexpr double kLeastMobility = 1e-13;
 // Forces have a corner where the second difference over the width does not fall with the width, and is at least this
 // part of the derivative.
 constexpr double kLeastCorner = 1e-3;
@@ -326,7 +328,7 @@ class Linearisation {
         own[k] = sum / factor[static_cast<std::size_t>(k)][k];
         left -= own[k] * own[k];
       }
-      if (!(left > kLeastFreedom * whole) || !(whole > kLeastFreedom * kLeastFreedom * scale)) continue;
+      if (!(left > kLeastFreedom * whole) || !(whole > kLeastMobility * scale)) continue;
       own[std::ssize(factor)] = std::sqrt(left);
       factor.push_back(std::move(own));
       pushed.push_back(response);

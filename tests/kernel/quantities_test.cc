@@ -213,7 +213,7 @@ TEST(Quantities, TheTableHasARowForEachKindAndUniqueNames) {
     EXPECT_EQ(std::count(names.begin(), names.end(), traits.name), 0) << traits.name;
     names.emplace_back(traits.name);
   }
-  EXPECT_EQ(count_quantity_kinds(), static_cast<int>(Kind::kBearing) + 1);
+  EXPECT_EQ(count_quantity_kinds(), static_cast<int>(Kind::kOrbitVelocity) + 1);
 }
 
 }  // namespace

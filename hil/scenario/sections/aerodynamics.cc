@@ -38,9 +38,10 @@ void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
         mistakes_.add(rates->mark, "these are not three derivatives", "write those by p, q and r: [-0.4, 0, 0]");
         continue;
       }
-      for (int rate = 0; rate < 3; ++rate)
-        read_coefficient(rates->items[static_cast<std::size_t>(rate)], {static_cast<AeroTerm::Of>(i), rate, 0, kNone},
-                         air);
+      for (int rate = 0; rate < 3; ++rate) {
+        const double value = read_number(rates->items[static_cast<std::size_t>(rate)], "", 0.0, mistakes_);
+        if (value != 0) air.terms.push_back({static_cast<AeroTerm::Of>(i), rate, value, kNone});
+      }
     }
     damping.finish();
   }
@@ -56,10 +57,11 @@ void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
 
 // A number, an expression, or a list of these, which is their sum.
 void ScenarioReader::read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air) {
-  if (node.is_sequence()) {
-    for (const YamlNode& item : node.items) read_coefficient(item, term, air);
-    return;
-  }
+  if (!node.is_sequence()) return read_aero_term(node, term, air);
+  for (const YamlNode& item : node.items) read_aero_term(item, term, air);
+}
+
+void ScenarioReader::read_aero_term(const YamlNode& node, AeroTerm term, Aerodynamics& air) {
   if (node.is_mapping()) {
     YamlMap map(node, "a coefficient", mistakes_);
     if (map.require("expression") != nullptr) {

@@ -119,6 +119,7 @@ class ScenarioReader {
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
   void read_aerodynamics(YamlMap& map, Aerodynamics air);
   void read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air);
+  void read_aero_term(const YamlNode& node, AeroTerm term, Aerodynamics& air);
   Profile read_profile(const YamlNode& node, const std::string& unit, const std::string& element);
 
   // Contacts.

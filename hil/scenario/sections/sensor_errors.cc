@@ -73,12 +73,16 @@ double read_size(YamlMap& map, const char* key, const std::string& unit, int sec
   YamlNode translated = *node;
   const std::string squared = square(replace_sheet_units(node->text));
   translated.text = squared.empty() ? replace_sheet_units(node->text) : squared;
-  const std::optional<Quantity> quantity = read_quantity(translated, mistakes);
-  if (!quantity) return 0;
-  const bool fits = quantity->dimension.is_plain() ||
-                    (squared.empty() ? seconds == 0 && dimension_of(unit).takes(quantity->dimension)
-                                     : calc_squared(unit, seconds).takes(quantity->dimension));
-  const double value = squared.empty() ? quantity->value : std::sqrt(quantity->value);
+  bool fits = true;
+  double value = 0;
+  if (seconds == 0 && squared.empty()) {
+    value = read_number(translated, unit, 0, mistakes);
+  } else {
+    const std::optional<Quantity> quantity = read_quantity(translated, mistakes);
+    if (!quantity) return 0;
+    fits = quantity->dimension.is_plain() || (!squared.empty() && calc_squared(unit, seconds).takes(quantity->dimension));
+    value = squared.empty() ? quantity->value : std::sqrt(quantity->value);
+  }
   if (fits && value >= 0 && std::isfinite(value)) return value;
   mistakes.add(node->mark, "'" + node->text + "' is no size of this error",
                std::string("a number, at least 0, such as ") + example + "; a number alone is in " +

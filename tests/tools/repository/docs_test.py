@@ -113,7 +113,7 @@ class DocsTest(ProcessTest):
     @staticmethod
     def is_made(name):
         """Files that a reader or a program creates."""
-        made = ("first.yaml", "first.svg", "run.json", "manifest.json", "summary.json", "samples.csv", "patch.yaml", "problem.yaml", "result.json", "unlatch.schema.json", "plot.svg")
+        made = ("first.yaml", "first.svg", "run.json", "manifest.json", "summary.json", "samples.csv", "requirements.csv", "review.md", "patch.yaml", "problem.yaml", "result.json", "unlatch.schema.json", "plot.svg")
         return name in made or name.startswith(("NAME", "FILE"))
 
     @staticmethod

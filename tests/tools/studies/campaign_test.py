@@ -816,7 +816,7 @@ parameters:
         path = self.write(f"sampling: morris\nsamples: {4 * trajectories}\nseed: 11\nparameters:\n{parameters}")
         summary = self.run_campaign(path, "out", code=(0, 1))
         found = {e["parameter"]: e for e in next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]["morris"]}
-        table, names = read_table(self.folder / "out"), {"v": "v [m/s]", "w": "w [m/s]", "m": "m"}
+        table, names = read_table(self.folder / "out"), {"v": "v [m/s]", "w": "w [m/s]", "m": "m [kg]"}
         for row in table[::97]:
             self.assertAlmostEqual(float(row["fast [m/s]"]), math.hypot(float(row["v [m/s]"]), float(row["w [m/s]"])), delta=1e-12)
         # The table's own effects, from which coordinate moved and which way.

@@ -318,7 +318,7 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(column["count"], 200)
         self.assertAlmostEqual(result["constraints"][0]["margin"], quantile, delta=1e-14)
         checked = result["verification"]["dispersed"][0]
-        self.assertEqual(checked["samples"], 2000)
+        self.assertEqual(checked["samples"], 16 * 2000)  # as long as it is open there are more, up to 16 times as many
         self.assertLess(checked["probability"][0], 0.1)
         self.assertGreater(checked["probability"][1], 0.1)  # the quantile of 200 is near that of all
         self.assertEqual(checked["verdict"], "open")

@@ -38,6 +38,7 @@ parameters:
   e: {path: "bodies.block.velocity[1]", discrete: {values: [0, 1], weights: [1, 2]}}
   f: {path: elements.px.direction, cone: {sigma: 1 deg, within: 3, about: [1, 0, 0]}}
   g: {path: "bodies.block.velocity[2]", empirical: {file: t.csv, column: v}}
+  h: {path: ["bodies.block.position[0]", "bodies.block.position[1]"], shared: true, discrete: {rows: [[0, 0], [1 mm, 2 mm]]}}
 correlations:
   - {between: [a, b], rho: 0.3}
 outputs: [{of: [block.position, block.vx], take: max}]
@@ -52,9 +53,10 @@ tolerance: 1e-6
 variables:
   a: {path: elements.px.profile, between: [0 N, 5 N], start: 2 N}
   b: {paths: [elements.py.profile], values: [1 N, 2 N]}
+  c: {paths: ["bodies.block.position[0]", "bodies.block.position[1]"], rows: [[0, 0], [1 mm, 2 mm]], columns: [x, y]}
 objectives: [{minimise: a^2}, {maximise: b}]
 constraints: [far, {requirement: far, probability: 0.5}]
-campaign: {file: c.yaml, samples: 4, checks: 8}
+campaign: {file: c.yaml, samples: 4, most: 8, checks: 8}
 method: auto
 starts: 1
 seed: 2
@@ -139,7 +141,7 @@ class SchemasTest(ProcessTest):
 
     def test_shipped_files_satisfy_the_schema_and_name_it(self):
         for name in FILES:
-            files = sorted(SCENARIOS.rglob({"campaign": "campaign*.yaml", "optimize": "optimize*.yaml"}[name]))
+            files = sorted(SCENARIOS.rglob({"campaign": "campaign*.yaml", "optimize": "synthesis*.yaml"}[name]))
             self.assertGreaterEqual(len(files), 2)
             for path in files:
                 text = path.read_text()
