@@ -85,8 +85,8 @@ double read_size(YamlMap& map, const char* key, const std::string& unit, int sec
   }
   if (fits && value >= 0 && std::isfinite(value)) return value;
   mistakes.add(node->mark, "'" + node->text + "' is no size of this error",
-               std::string("a number, at least 0, such as ") + example + "; a number alone is in " +
-                   (unit.empty() ? "1" : unit) + (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")));
+               "write a number in " + (unit.empty() ? "1" : unit) + (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")) +
+                   ", at least 0, or with units of data sheets: " + example);
   return 0;
 }
 
