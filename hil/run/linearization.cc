@@ -6,8 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
-#include <utility>
 #include <unsupported/Eigen/MatrixFunctions>
+#include <utility>
 
 #include "hil/run/run.h"
 #include "hil/scenario/model/index.h"
@@ -53,7 +53,8 @@ std::vector<Value> list_values(const Scenario& scenario) {
   int sensors = 0;
   for (const Output& output : list_outputs(scenario)) {
     if (output.kind == Output::Kind::kSensor)
-      for (const Output::Column& column : output.columns) values.push_back({{column.name, column.unit}, true, sensors++});
+      for (const Output::Column& column : output.columns)
+        values.push_back({{column.name, column.unit}, true, sensors++});
     if (output.kind == Output::Kind::kQuantity)
       for (const Output::Column& column : output.columns)
         values.push_back({{column.name, column.unit}, false, output.subject});
@@ -109,8 +110,8 @@ void advance(const Scenario& scenario, const LinearRequest& request, Simulation&
   while (simulation.get_tick() < last) {
     const StepReport report = simulation.step();
     if (report.status != StepStatus::kOk)
-      throw LinearizationError("the run ended at t = " + write_short(simulation.get_time()) + " s: " +
-                               get_status_text(report.status));
+      throw LinearizationError("the run ended at t = " + write_short(simulation.get_time()) +
+                               " s: " + get_status_text(report.status));
     if (!request.event.empty() && std::ranges::any_of(report.events, is_it)) return;
   }
   if (!request.event.empty())
@@ -194,7 +195,9 @@ LinearSystem linearize(const Scenario& scenario, const Simulation& simulation, c
 
 LoopRequest parse_loop(const std::string& text) {
   const auto refuse = [&](const std::string& why) {
-    return LinearizationError("'" + text + "': " + why + "; a loop is written CHANNEL=GAIN*OUTPUT+GAIN*OUTPUT, for example torque=12*sensor.angle+30*sensor.gyro.z");
+    return LinearizationError(
+        "'" + text + "': " + why +
+        "; a loop is written CHANNEL=GAIN*OUTPUT+GAIN*OUTPUT, for example torque=12*sensor.angle+30*sensor.gyro.z");
   };
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) throw refuse("it names no channel");
@@ -385,7 +388,8 @@ LoopMargins calc_margins(const LinearSystem& system, const LoopRequest& request)
   const double bottom = top * 1e-8;
   std::vector<double> frequencies(kFrequencies);
   for (int i = 0; i < kFrequencies; ++i)
-    frequencies[static_cast<std::size_t>(i)] = bottom * std::pow(top / bottom, static_cast<double>(i) / (kFrequencies - 1));
+    frequencies[static_cast<std::size_t>(i)] =
+        bottom * std::pow(top / bottom, static_cast<double>(i) / (kFrequencies - 1));
 
   LoopMargins margins;
   margins.stable = loop.is_stable_closed();
@@ -402,8 +406,10 @@ LoopMargins calc_margins(const LinearSystem& system, const LoopRequest& request)
     const Complex value = loop.calc(w);
     if (value.real() >= 0) continue;  // a jump of the phase, far from −1
     const double factor = 1 / std::abs(value);
-    if (factor >= 1) keep_least(margins.gain, factor, w, true);
-    else keep_least(margins.drop, factor, w, false);
+    if (factor >= 1)
+      keep_least(margins.gain, factor, w, true);
+    else
+      keep_least(margins.drop, factor, w, false);
   }
   return margins;
 }

@@ -23,8 +23,8 @@ class LinearizationError : public std::runtime_error {
 
 // Where the run is linearised, and what of it.
 struct LinearRequest {
-  double time = 0;              // s; moved to the nearest tick
-  std::string event{};          // instead: the end of the step in which this event acts first, NAME or NAME.SUBJECT
+  double time = 0;      // s; moved to the nearest tick
+  std::string event{};  // instead: the end of the step in which this event acts first, NAME or NAME.SUBJECT
   std::vector<std::string> inputs{}, outputs{};  // patterns of channels; of sensors' values and quantities. Empty: all
 };
 

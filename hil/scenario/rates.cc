@@ -26,7 +26,7 @@ std::vector<std::int32_t> find_rest(const auto& parts, std::size_t count) {
 }
 
 // Of each sensor the rate of its group; one without is sampled at every tick.
-std::vector<std::int64_t> list_of_sensors(const Model& model, const Rates& rates, std::int64_t Rate::* what) {
+std::vector<std::int64_t> list_of_sensors(const Model& model, const Rates& rates, std::int64_t Rate::*what) {
   std::vector<std::int64_t> list(model.sensors.size(), Rate{}.*what);
   for (const RateGroup& group : rates.groups)
     for (const int sensor : group.sensors) list[static_cast<std::size_t>(sensor)] = group.rate.*what;

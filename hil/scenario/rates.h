@@ -36,8 +36,9 @@ struct Rates {
   SensorErrorModel errors;  // what sensors deliver instead of the true values
 };
 
-// Hash of the plan, of the rates of channels and sensors, and of the sensors' errors: two models with one hash have the same states from the
-// same inputs. Without groups and errors it is the plan's hash. The rate of States has no influence on states and is left out.
+// Hash of the plan, of the rates of channels and sensors, and of the sensors' errors: two models with one hash have the
+// same states from the same inputs. Without groups and errors it is the plan's hash. The rate of States has no
+// influence on states and is left out.
 std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept;
 
 // Rates compiled for a model: the held values, and the ticks of their updates. Only the constructor allocates.
@@ -52,7 +53,8 @@ class SampleAndHold {
   void sample(std::int64_t tick, std::span<const double> measured) noexcept;
 
   // Restores held values that get_channels(), get_sensors() and get_memory() returned earlier.
-  void restore(std::span<const double> channels, std::span<const double> sensors, std::span<const double> memory) noexcept;
+  void restore(std::span<const double> channels, std::span<const double> sensors,
+               std::span<const double> memory) noexcept;
 
   [[nodiscard]] std::span<const double> get_channels() const noexcept { return channels_; }
   [[nodiscard]] std::span<const double> get_sensors() const noexcept { return sensors_; }

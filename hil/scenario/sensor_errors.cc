@@ -19,7 +19,8 @@ constexpr std::uint32_t kMostDraws = 8;  // values of one sensor, more than any 
 
 // A standard normal number of a sensor's value at a tick.
 double draw_unit_of(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
-  const auto place = (static_cast<std::uint32_t>(sensor) * kMostDraws + static_cast<std::uint32_t>(value)) * kPurposes + purpose;
+  const auto place =
+      (static_cast<std::uint32_t>(sensor) * kMostDraws + static_cast<std::uint32_t>(value)) * kPurposes + purpose;
   return draw_unit(seed, RandomStream::kSensor, static_cast<std::uint64_t>(tick), place);
 }
 double draw_normal(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
@@ -43,8 +44,8 @@ std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexc
     add(own.bias.size());
     for (const double bias : own.bias) add_number(bias);
     for (const double number :
-         {own.turn_on, own.noise, own.noise_density, own.walk, own.drift, own.drift_time, own.scale, own.misalignment.x(),
-          own.misalignment.y(), own.misalignment.z(), own.quantum, own.range, own.dropout})
+         {own.turn_on, own.noise, own.noise_density, own.walk, own.drift, own.drift_time, own.scale,
+          own.misalignment.x(), own.misalignment.y(), own.misalignment.z(), own.quantum, own.range, own.dropout})
       add_number(number);
     add(static_cast<std::uint64_t>(own.delay));
   }
@@ -54,7 +55,8 @@ std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexc
 Measurement::Measurement(const Model& model, const SensorErrorModel& errors, std::span<const std::int64_t> every)
     : seed_(errors.seed) {
   std::vector<std::size_t> first{0};
-  for (const Sensor& sensor : model.sensors) first.push_back(first.back() + static_cast<std::size_t>(sensor_width(sensor.kind)));
+  for (const Sensor& sensor : model.sensors)
+    first.push_back(first.back() + static_cast<std::size_t>(sensor_width(sensor.kind)));
   std::size_t memory = 0;
   for (const SensorErrors& own : errors.sensors) {
     const auto at = static_cast<std::size_t>(own.sensor);
@@ -94,11 +96,14 @@ void Measurement::measure(const Own& own, std::int64_t tick, std::span<double> v
   const bool begins = tick == 0;
   std::array<double, kMostDraws> sum{};
   for (std::size_t i = 0; i < own.draws; ++i) {
-    const auto draw = [&](Purpose purpose, std::int64_t at) { return draw_normal(seed_, errors.sensor, i, purpose, at); };
+    const auto draw = [&](Purpose purpose, std::int64_t at) {
+      return draw_normal(seed_, errors.sensor, i, purpose, at);
+    };
     double& walk = memory_[own.memory + i];
     double& drift = memory_[own.memory + own.draws + i];
     if (own.walk > 0 && !begins) walk += own.walk * draw(kWalk, tick);
-    if (errors.drift > 0) drift = begins ? errors.drift * draw(kDrift, tick) : own.keep * drift + own.renew * draw(kDrift, tick);
+    if (errors.drift > 0)
+      drift = begins ? errors.drift * draw(kDrift, tick) : own.keep * drift + own.renew * draw(kDrift, tick);
     sum[i] = (errors.bias.empty() ? 0 : errors.bias[i]) + walk + drift;
     if (errors.turn_on > 0) sum[i] += errors.turn_on * draw(kTurnOn, 0);
     if (own.noise > 0) sum[i] += own.noise * draw(kNoise, tick);

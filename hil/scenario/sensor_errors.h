@@ -23,19 +23,19 @@ namespace unlatch::hil {
 
 // Errors of one sensor, in the unit of its values; rad of an attitude. The same sizes for each of its values.
 struct SensorErrors {
-  int sensor = 0;                                           // index of the model
-  std::vector<double> bias{};                               // of each value (of an attitude three); empty: none
-  double turn_on = 0;                                       // σ of a bias that is drawn once for a run
-  double noise = 0;                                         // σ of each sample
-  double noise_density = 0;                                 // unit/√Hz: σ of a sample is this over √T
-  double walk = 0;                                          // unit/√s: σ of the bias' growth in a second
-  double drift = 0, drift_time = 1;                         // σ and correlation time, s, of a first-order Markov process
-  double scale = 0;                                         // relative
-  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();   // turn of the sensor's axes, rad
-  double quantum = 0;                                       // least significant bit; 0: none
-  double range = 0;                                         // largest value; 0: no limit
-  double dropout = 0;                                       // probability that a sample is lost and the last one held
-  int delay = 0;                                            // samples
+  int sensor = 0;                    // index of the model
+  std::vector<double> bias{};        // of each value (of an attitude three); empty: none
+  double turn_on = 0;                // σ of a bias that is drawn once for a run
+  double noise = 0;                  // σ of each sample
+  double noise_density = 0;          // unit/√Hz: σ of a sample is this over √T
+  double walk = 0;                   // unit/√s: σ of the bias' growth in a second
+  double drift = 0, drift_time = 1;  // σ and correlation time, s, of a first-order Markov process
+  double scale = 0;                  // relative
+  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  // turn of the sensor's axes, rad
+  double quantum = 0;                                      // least significant bit; 0: none
+  double range = 0;                                        // largest value; 0: no limit
+  double dropout = 0;                                      // probability that a sample is lost and the last one held
+  int delay = 0;                                           // samples
 };
 
 // All of a scenario.

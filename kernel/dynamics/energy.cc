@@ -17,8 +17,8 @@ namespace {
 
 // T = ½ m |v_c|² + ½ w·J w with dm/dt, dc/dt and dJ/dt beside the motion that varying.h describes, and the power of its
 // jet damping.
-void add_varying_body(const PlanData& plan, double t, const Evaluation& ev, std::int32_t varying,
-                      const BodyFrame& body, const BodyKinematics& k, EnergySum& sum) {
+void add_varying_body(const PlanData& plan, double t, const Evaluation& ev, std::int32_t varying, const BodyFrame& body,
+                      const BodyKinematics& k, EnergySum& sum) {
   const PlanVarying& law = plan.varying[at(varying)];
   const VaryingBody& b = ev.varying[at(varying)];
   const double rate = law.by_burnt ? ev.auxiliary.rate[at(varying)] : 1;

@@ -201,8 +201,8 @@ class Clusters {
   }
 
   PlanDraft& plan_;
-  std::vector<int> node_of_;   // per body
-  std::vector<int> group_of_;  // per node
+  std::vector<int> node_of_;                         // per body
+  std::vector<int> group_of_;                        // per node
   std::vector<std::vector<int>> passing_, closing_;  // per node: loops
   std::vector<int> at_ground_;
   std::vector<std::set<int>> neighbours_;   // per loop

@@ -218,7 +218,9 @@ class Simulation {
       std::copy_n(from, rows * columns, out.mutable_data());
       return out;
     };
-    const auto list = [](const char* const* texts, std::size_t count) { return std::vector<std::string>(texts, texts + count); };
+    const auto list = [](const char* const* texts, std::size_t count) {
+      return std::vector<std::string>(texts, texts + count);
+    };
     const std::size_t n = m->state_count, inputs = m->input_count, outputs = m->output_count;
     return py::make_tuple(m->time, list(m->states, n), list(m->state_units, n), list(m->inputs, inputs),
                           list(m->input_units, inputs), list(m->outputs, outputs), list(m->output_units, outputs),
@@ -328,12 +330,11 @@ std::unique_ptr<Simulation> load(const Load& load_it) {
 
 PYBIND11_MODULE(_native, module) {
   module.def("get_version", &unlatch_get_version);
-  module.def("load",
-             [](const std::string& path, const std::vector<std::string>& overrides, std::uint32_t flags,
-                std::uint32_t events) {
-               const Options options(overrides, flags, events);
-               return load([&](unlatch_simulation** to) { return unlatch_load(path.c_str(), options.get(), to); });
-             });
+  module.def("load", [](const std::string& path, const std::vector<std::string>& overrides, std::uint32_t flags,
+                        std::uint32_t events) {
+    const Options options(overrides, flags, events);
+    return load([&](unlatch_simulation** to) { return unlatch_load(path.c_str(), options.get(), to); });
+  });
   module.def("load_text", [](const std::string& text, const std::string& name,
                              const std::vector<std::string>& overrides, std::uint32_t flags, std::uint32_t events) {
     const Options options(overrides, flags, events);

@@ -25,9 +25,7 @@ LinearModel linearise(Simulation& s, const LinearOutputs& outputs = {}) {
 }
 
 // The largest imaginary part of the poles: the highest frequency of an undamped system, rad/s.
-double find_highest_frequency(const LinearModel& model) {
-  return calc_eigenvalues(model.A).imag().maxCoeff();
-}
+double find_highest_frequency(const LinearModel& model) { return calc_eigenvalues(model.A).imag().maxCoeff(); }
 
 // Central differences of smooth forces of size 1 to 1000 with widths of 1e-3 and 5e-4, extrapolated.
 constexpr double kDifferences = 1e-9;

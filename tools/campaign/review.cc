@@ -27,8 +27,8 @@ std::string judge(const Json& requirement) {
 }
 
 Row head_requirements() {
-  Row row{"requirement", "text",     "unit",        "at least",   "at most",    "verdict", "failed",
-          "missing",     "unresolved", "probability", "bound low", "bound high"};
+  Row row{"requirement", "text",    "unit",       "at least",    "at most",   "verdict",
+          "failed",      "missing", "unresolved", "probability", "bound low", "bound high"};
   for (const char* p : kQuantiles) row.push_back("quantile " + std::string(p));
   row.insert(row.end(), {"99 % are above", "99 % are below"});
   return row;
@@ -123,9 +123,11 @@ std::string write_review(const Json& summary) {
                      summary.at("hash").get<std::string>() + ".";
   for (const auto& [name, number] : summary.at("statuses").items())
     if (number > 0) text += " " + std::to_string(number.get<long long>()) + " " + name + ".";
-  text += "\n\n## Requirements\n\nBounds of probabilities: Clopper-Pearson, 95 %. Limits that 99 % of all runs keep to: Wilks, with 95 % "
-          "confidence. An unresolved sample depends on something that the step does not resolve: it is neither met nor "
-          "missed, and the bounds hold whatever it is.\n\n";
+  text +=
+      "\n\n## Requirements\n\nBounds of probabilities: Clopper-Pearson, 95 %. Limits that 99 % of all runs keep to: "
+      "Wilks, with 95 % "
+      "confidence. An unresolved sample depends on something that the step does not resolve: it is neither met nor "
+      "missed, and the bounds hold whatever it is.\n\n";
   text += to_markdown(build_rows(summary, "%.5g"));
   if (!summary.contains("inputs")) return text;
   std::vector<Row> rows{{"input", "unit", "least", "mean", "deviation", "greatest"}};

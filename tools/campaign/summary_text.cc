@@ -25,7 +25,8 @@ std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
   if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());
   std::string text;
-  if (!requirement.at("at_least").is_null()) text = format("≥ %.5g", to_shown(requirement, tolerance.at("lower").get<double>()));
+  if (!requirement.at("at_least").is_null())
+    text = format("≥ %.5g", to_shown(requirement, tolerance.at("lower").get<double>()));
   if (!requirement.at("at_most").is_null())
     text += (text.empty() ? "" : ", ") + format("≤ %.5g", to_shown(requirement, tolerance.at("upper").get<double>()));
   return text;
@@ -133,9 +134,9 @@ void print_summary(std::FILE* to, const Json& summary) {
         requirement.at("id").get<std::string>().c_str(),
         paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
             .c_str(),
-        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), shown("0.01").c_str(),
-        shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(), shown("0.99").c_str(),
-        describe_tolerance(requirement).c_str(), get_shown_unit(requirement).c_str());
+        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), shown("0.01").c_str(), shown("0.05").c_str(),
+        shown("0.5").c_str(), shown("0.95").c_str(), shown("0.99").c_str(), describe_tolerance(requirement).c_str(),
+        get_shown_unit(requirement).c_str());
   }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");

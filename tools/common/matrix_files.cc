@@ -37,8 +37,8 @@ void append_mat_header(std::string& out, const std::string& name, int type, Eige
 
 // One .npy file: `type` is NumPy's, in the order of columns if `by_columns`.
 std::string build_npy(const std::string& type, const std::string& shape, bool by_columns, const std::string& data) {
-  std::string header = "{'descr': '" + type + "', 'fortran_order': " + (by_columns ? "True" : "False") +
-                       ", 'shape': (" + shape + "), }";
+  std::string header =
+      "{'descr': '" + type + "', 'fortran_order': " + (by_columns ? "True" : "False") + ", 'shape': (" + shape + "), }";
   constexpr std::size_t kPreamble = 10, kMultiple = 64;
   while ((kPreamble + header.size() + 1) % kMultiple != 0) header += ' ';
   header += '\n';
@@ -47,7 +47,8 @@ std::string build_npy(const std::string& type, const std::string& shape, bool by
   return out + header + data;
 }
 
-// An archive in memory of files that are stored as they are, all of the same date: the same bytes from the same numbers.
+// An archive in memory of files that are stored as they are, all of the same date: the same bytes from the same
+// numbers.
 class StoredArchive {
  public:
   StoredArchive() : source_(zip_source_buffer_create(nullptr, 0, 0, nullptr)) {

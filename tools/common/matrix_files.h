@@ -1,4 +1,5 @@
-// Matrices in files that other programs read: MATLAB's (MAT version 4: MATLAB, Octave, SciPy's loadmat), NumPy's (.npz).
+// Matrices in files that other programs read: MATLAB's (MAT version 4: MATLAB, Octave, SciPy's loadmat), NumPy's
+// (.npz).
 #pragma once
 
 #include <Eigen/Core>

@@ -91,7 +91,8 @@ void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<
     largest_force = std::max(largest_force, find_largest(analysis, j, kX));
     largest_moment = std::max(largest_moment, find_largest(analysis, j, kRotX));
   }
-  largest_moment = std::max(largest_moment, largest_force * longest);  // a structure that forces alone load has some, too
+  largest_moment =
+      std::max(largest_moment, largest_force * longest);  // a structure that forces alone load has some, too
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const double force = std::max(find_largest(analysis, j, kX), kUnloaded * largest_force);
     const double moment =

@@ -8,8 +8,8 @@
 
 namespace unlatch::hil {
 
-// Joints that hold an assembly together: those with any row; or those with all six, whose bodies cannot move relative to
-// one another.
+// Joints that hold an assembly together: those with any row; or those with all six, whose bodies cannot move relative
+// to one another.
 enum class Holding { kAny, kRigid };
 
 // Assemblies of a state: bodies connected by joints with active rows, or a flexible body and its markers, are in one.

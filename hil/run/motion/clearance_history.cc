@@ -17,7 +17,10 @@ constexpr double kStill = 1e-10;
 }  // namespace
 
 ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
-    : skipping_(skipping), monitor_(scenario.clearance, scenario.shapes, scenario.ground_shapes), now_(monitor_.get()), tracks_(now_.size()) {
+    : skipping_(skipping),
+      monitor_(scenario.clearance, scenario.shapes, scenario.ground_shapes),
+      now_(monitor_.get()),
+      tracks_(now_.size()) {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].size = monitor_.get_size(i);
     tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));

@@ -12,7 +12,8 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// Shapes of the pairs that State::contacts has of a contact: those of the base, with each of them those of the follower.
+// Shapes of the pairs that State::contacts has of a contact: those of the base, with each of them those of the
+// follower.
 std::vector<std::pair<int, int>> list_pairs(const Model& model, const Contact& contact) {
   const std::vector<geometry::Shape>& base = model.surfaces[static_cast<std::size_t>(contact.base)].shapes;
   const std::vector<geometry::Shape>& follower = model.surfaces[static_cast<std::size_t>(contact.follower)].shapes;
@@ -32,7 +33,11 @@ ContactHistory::Scratch::Scratch(const Plan& plan)
     : block(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(block))) {}
 
 ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simulation, bool touches)
-    : scenario_(scenario), simulation_(simulation), touches_(touches), present_(simulation.plan()), previous_(simulation.plan()) {
+    : scenario_(scenario),
+      simulation_(simulation),
+      touches_(touches),
+      present_(simulation.plan()),
+      previous_(simulation.plan()) {
   for (const Contact& contact : scenario.model.contacts) {
     tracks_.emplace_back().record.name = contact.name;
     pairs_.push_back(list_pairs(scenario.model, contact));

@@ -16,13 +16,13 @@ namespace unlatch::hil {
 
 // One touch of a contact: from the instant at which some pair of its shapes closes to that at which all are open.
 struct Touch {
-  bool at_start = false;                   // it was closed when the run began
-  double time = 0;                         // s
-  std::optional<double> lift;              // s; none: it is still closed
-  double duration = 0;                     // s
-  double peak_force = 0, peak_time = 0;    // F_n, N; s
-  double depth = 0, impulse = 0;           // m; N s
-  std::vector<std::string> pairs;          // "sat.foot – floor.top", in the order in which they close
+  bool at_start = false;                 // it was closed when the run began
+  double time = 0;                       // s
+  std::optional<double> lift;            // s; none: it is still closed
+  double duration = 0;                   // s
+  double peak_force = 0, peak_time = 0;  // F_n, N; s
+  double depth = 0, impulse = 0;         // m; N s
+  std::vector<std::string> pairs;        // "sat.foot – floor.top", in the order in which they close
 };
 
 struct ContactRecord {
@@ -63,8 +63,8 @@ class ContactHistory {
  private:
   struct Track {
     ContactRecord record;
-    Smallest force, depth;  // minima of the negatives
-    bool fresh = true;      // no piece yet since the contact closed
+    Smallest force, depth;              // minima of the negatives
+    bool fresh = true;                  // no piece yet since the contact closed
     Smallest own_force{}, own_depth{};  // of the present touch
     double impulse = 0;                 // N s, total at its beginning
     bool kept = false;                  // the present touch is the last of the list

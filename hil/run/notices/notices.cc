@@ -265,11 +265,11 @@ void NoticeWatch::watch_contacts() {
     const double gained = impulse - impulses_[i];
     impulses_[i] = impulse;
     ContactRates rates = calc_rates(scenario_.model, simulation_.state(), contact, reading);
-    // A blow that began and ended within the step: its impulse changed the speed by what it came with, or more. How fast
-    // it slipped is not known.
+    // A blow that began and ended within the step: its impulse changed the speed by what it came with, or more. How
+    // fast it slipped is not known.
     if (!reading.closed && gained > 0)
-      rates = {
-          estimate_rates(scenario_.model, contact, gained * calc_least_mobility(scenario_.model, contact)).omega, 0};
+      rates = {estimate_rates(scenario_.model, contact, gained * calc_least_mobility(scenario_.model, contact)).omega,
+               0};
     const double size = dt_ / parts * rates.calc_need();
     if (!(size > 1)) continue;
     report(

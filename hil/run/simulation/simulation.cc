@@ -112,7 +112,8 @@ std::vector<std::uint64_t> Simulation::save() const {
   const std::span<const std::byte> block = state_.get_bytes();
   std::vector<std::uint64_t> words(block.size() / sizeof(std::uint64_t));
   std::memcpy(words.data(), block.data(), block.size());
-  for (const std::span<const double> values : {channels(), held_.get_channels(), held_.get_sensors(), held_.get_memory()}) {
+  for (const std::span<const double> values :
+       {channels(), held_.get_channels(), held_.get_sensors(), held_.get_memory()}) {
     for (const double value : values) words.push_back(std::bit_cast<std::uint64_t>(value));
   }
   return words;

@@ -44,8 +44,7 @@ std::string ScenarioReader::get_body_name(int body) const {
 
 ShapeSet ScenarioReader::get_shapes_of(int body) const {
   ShapeSet set{.body = body, .name = get_body_name(body), .shapes = {}};
-  for (std::size_t i = 0; i < get_shapes(scenario_, body).size(); ++i)
-    set.shapes.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < get_shapes(scenario_, body).size(); ++i) set.shapes.push_back(static_cast<int>(i));
   return set;
 }
 
@@ -82,7 +81,8 @@ std::optional<ShapeSet> ScenarioReader::read_shape_set(const YamlNode& node) {
     if (!part.empty() && (shapes[i].name == part || shapes[i].group == part)) set.shapes.push_back(static_cast<int>(i));
   }
   if (!set.shapes.empty()) return set;
-  mistakes_.add(node.mark, "unknown shape '" + part + "' of " + (of_ground ? "the ground" : "body '" + get_body_name(body) + "'"),
+  mistakes_.add(node.mark,
+                "unknown shape '" + part + "' of " + (of_ground ? "the ground" : "body '" + get_body_name(body) + "'"),
                 known.empty() ? "its shapes have no `name` and no `group`" : suggest(part, known));
   return {};
 }

@@ -94,8 +94,7 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
 // True if no pair of shapes has any thickness, so that none can overlap.
 bool ScenarioReader::is_of_lines(const ClearancePair& pair) const {
   const auto is_line = [&](int body, int shape) {
-    const geometry::Shape& own =
-        get_shapes(scenario_, body)[static_cast<std::size_t>(shape)].shape;
+    const geometry::Shape& own = get_shapes(scenario_, body)[static_cast<std::size_t>(shape)].shape;
     return own.kind == geometry::ShapeKind::kCapsule && own.radius == 0;
   };
   for (const int i : pair.a.shapes)
@@ -108,8 +107,7 @@ bool ScenarioReader::is_of_lines(const ClearancePair& pair) const {
 void ScenarioReader::report_shared_pairs(const ClearancePair& pair, const YamlNode& node) {
   const auto get_name = [&](int body, int shape) {
     const BodyShape& own = get_shapes(scenario_, body)[static_cast<std::size_t>(shape)];
-    return get_body_name(body) + "." +
-           (own.name.empty() ? "shape[" + std::to_string(shape) + "]" : own.name);
+    return get_body_name(body) + "." + (own.name.empty() ? "shape[" + std::to_string(shape) + "]" : own.name);
   };
   const auto has = [](const ClearancePair& of, int a, int i, int b, int k) {
     const auto holds = [](const ShapeSet& set, int body, int shape) {

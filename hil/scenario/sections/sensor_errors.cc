@@ -14,12 +14,17 @@ namespace {
 struct SheetUnit {
   const char *name, *stands_for;
 };
-constexpr SheetUnit kSheetUnits[] = {
-    {"µg", "(9.80665e-6 m/s2)"}, {"μg", "(9.80665e-6 m/s2)"}, {"ug", "(9.80665e-6 m/s2)"}, {"mg", "(9.80665e-3 m/s2)"}, {"Hz", "(1/s)"}, {"h", "(3600 s)"}};
+constexpr SheetUnit kSheetUnits[] = {{"µg", "(9.80665e-6 m/s2)"},
+                                     {"μg", "(9.80665e-6 m/s2)"},
+                                     {"ug", "(9.80665e-6 m/s2)"},
+                                     {"mg", "(9.80665e-3 m/s2)"},
+                                     {"Hz", "(1/s)"},
+                                     {"h", "(3600 s)"}};
 
 // Letters, and the bytes of µ (micro sign) and μ (Greek letter) in UTF-8; not those of √.
 bool is_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '\xc2' || c == '\xb5' || c == '\xce' || c == '\xbc';
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '\xc2' || c == '\xb5' || c == '\xce' ||
+         c == '\xbc';
 }
 
 std::string replace_sheet_units(const std::string& text) {
@@ -67,7 +72,8 @@ Dimension calc_squared(const std::string& unit, int seconds) {
 
 // A size of an error, at least 0, in `unit` times s^(seconds / 2): √s for a density per √Hz, 1/√s for a random walk. A
 // number alone is in this SI unit. `example`: in the units of data sheets.
-double read_size(YamlMap& map, const char* key, const std::string& unit, int seconds, const char* example, Mistakes& mistakes) {
+double read_size(YamlMap& map, const char* key, const std::string& unit, int seconds, const char* example,
+                 Mistakes& mistakes) {
   const YamlNode* const node = map.find(key);
   if (node == nullptr) return 0;
   YamlNode translated = *node;
@@ -80,12 +86,14 @@ double read_size(YamlMap& map, const char* key, const std::string& unit, int sec
   } else {
     const std::optional<Quantity> quantity = read_quantity(translated, mistakes);
     if (!quantity) return 0;
-    fits = quantity->dimension.is_plain() || (!squared.empty() && calc_squared(unit, seconds).takes(quantity->dimension));
+    fits =
+        quantity->dimension.is_plain() || (!squared.empty() && calc_squared(unit, seconds).takes(quantity->dimension));
     value = squared.empty() ? quantity->value : std::sqrt(quantity->value);
   }
   if (fits && value >= 0 && std::isfinite(value)) return value;
   mistakes.add(node->mark, "'" + node->text + "' is no size of this error",
-               "write a number in " + (unit.empty() ? "1" : unit) + (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")) +
+               "write a number in " + (unit.empty() ? "1" : unit) +
+                   (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")) +
                    ", at least 0, or with units of data sheets: " + example);
   return 0;
 }

@@ -108,8 +108,8 @@ bool Dimension::takes(const Dimension& other) const {
   const int angle = exponents[kAngle], given = other.exponents[kAngle];
   const bool cycles_for_radians = other.exponents[kCycle] != exponents[kCycle] && given != angle;
   return std::equal(exponents.begin(), exponents.begin() + kAngle, other.exponents.begin()) &&
-         exponents[kTemperature] == other.exponents[kTemperature] &&
-         (given == angle || given == 0) && !cycles_for_radians;
+         exponents[kTemperature] == other.exponents[kTemperature] && (given == angle || given == 0) &&
+         !cycles_for_radians;
 }
 
 const Unit* find_unit(std::string_view name) {

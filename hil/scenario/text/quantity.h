@@ -8,9 +8,9 @@
 
 namespace unlatch::hil {
 
-// Exponents of m, kg, s, rad, cycles and K. Radians are separate so that 5 deg is not accepted as a plain number. SI often
-// omits them: v/r is a rate and N m turns a torsion spring. So they must agree only where both quantities have them.
-// Cycles, as in Hz, have one purpose: 10 Hz is no angular rate until it is multiplied by 2*pi rad.
+// Exponents of m, kg, s, rad, cycles and K. Radians are separate so that 5 deg is not accepted as a plain number. SI
+// often omits them: v/r is a rate and N m turns a torsion spring. So they must agree only where both quantities have
+// them. Cycles, as in Hz, have one purpose: 10 Hz is no angular rate until it is multiplied by 2*pi rad.
 struct Dimension {
   enum Base { kLength, kMass, kTime, kAngle, kCycle, kTemperature };
   std::array<int, 6> exponents{};

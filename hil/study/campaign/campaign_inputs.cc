@@ -3,9 +3,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hil/study/campaign/campaign.h"
 #include "hil/scenario/random/normal.h"
 #include "hil/scenario/random/philox.h"
+#include "hil/study/campaign/campaign.h"
 
 namespace unlatch::hil {
 namespace {

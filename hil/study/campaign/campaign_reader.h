@@ -56,8 +56,8 @@ class CampaignReader {
 
   Campaign& campaign_;
   Mistakes& mistakes_;
-  std::vector<std::string> overrides_;                       // of the scenario
-  std::optional<std::vector<WrittenNumber>> numbers_;        // of the scenario, once they are asked for
+  std::vector<std::string> overrides_;                                    // of the scenario
+  std::optional<std::vector<WrittenNumber>> numbers_;                     // of the scenario, once they are asked for
   std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and their parameters
   int levels_ = 0;
 };

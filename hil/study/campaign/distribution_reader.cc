@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/scenario/random/normal.h"
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/study/campaign/campaign_reader.h"
-#include "hil/scenario/random/normal.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -113,7 +113,8 @@ void CampaignReader::read_discrete(const YamlNode& node, CampaignParameter& to, 
   if (of_rows) {
     const std::size_t width = to.columns.empty() ? 0 : to.columns.back() + 1;
     if (width < 2)
-      return mistakes_.add(values->mark, "rows for a single path", "a list of paths with `shared: true`, a path a column");
+      return mistakes_.add(values->mark, "rows for a single path",
+                           "a list of paths with `shared: true`, a path a column");
     for (const YamlNode& row : values->items)
       if (!row.is_sequence() || row.items.size() != width)
         return mistakes_.add(row.mark, "not a row of " + hil::count(width, "value"),

@@ -6,9 +6,9 @@
 
 #include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
+#include "hil/scenario/random/philox.h"
 #include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/campaign/campaign_reader.h"
-#include "hil/scenario/random/philox.h"
 
 namespace unlatch::hil {
 namespace {

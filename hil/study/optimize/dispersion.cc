@@ -8,7 +8,8 @@
 
 namespace unlatch::hil {
 
-DispersedPoint::DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, const OptimizeFlights& flights)
+DispersedPoint::DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point,
+                               const OptimizeFlights& flights)
     : problem_(problem),
       campaign_(make_campaign(*problem.campaign, make_settings(problem, point), flights)),
       evaluator_(*campaign_.tree),

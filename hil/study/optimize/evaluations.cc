@@ -280,7 +280,8 @@ void OptimizeEvaluations::compute_dispersed(Batch& batch) {
 }
 
 // All samples of one design; nothing: it has a mistake, or `stop` was set.
-std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& point, const OptimizeFlights& flights) const {
+std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& point,
+                                                         const OptimizeFlights& flights) const {
   try {
     auto design = std::make_unique<DispersedPoint>(problem_, point, flights);
     run_shares_side_by_side(
@@ -292,7 +293,8 @@ std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& po
   }
 }
 
-std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point, std::uint64_t round) const {
+std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point,
+                                                                   std::uint64_t round) const {
   constexpr std::uint64_t kStreamsEach = 3;  // 1, 4 and 16 times as many
   constexpr std::int64_t kMore = 4, kMostChecks = 1'000'000;
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
@@ -310,11 +312,12 @@ std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const Optimiz
       one.failed = design->count_failures(k);
       one.bounds = {calc_clopper_pearson(one.failed, check.samples).low,
                     calc_clopper_pearson(one.failed + check.unresolved, check.samples).high};
-      one.verdict = one.bounds.high <= allowed  ? DispersedCheck::Verdict::kConfirmed
+      one.verdict = one.bounds.high <= allowed ? DispersedCheck::Verdict::kConfirmed
                     : one.bounds.low > allowed ? DispersedCheck::Verdict::kRefuted
                                                : DispersedCheck::Verdict::kOpen;
     }
-    const bool is_most = check.samples >= kMoreChecks * problem_.campaign->checks || check.samples > kMostChecks / kMore;
+    const bool is_most =
+        check.samples >= kMoreChecks * problem_.campaign->checks || check.samples > kMostChecks / kMore;
     if (!check.has(DispersedCheck::Verdict::kOpen) || is_most) return check;
   }
 }

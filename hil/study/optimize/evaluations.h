@@ -74,9 +74,9 @@ class OptimizeEvaluations {
   // budget is used up, or `stop` was set, and some are missing (-1); earlier results are kept. Throws JournalError.
   bool evaluate(const std::vector<OptimizePoint>& points, std::vector<std::int64_t>& indices);
 
-  // Flies a design with fresh samples, others for each `round`. While some verdict is open, up to kMoreChecks times more
-  // of them, each time four times as many new ones. Nothing: no constraint has a probability, the design has a mistake,
-  // or `stop` was set.
+  // Flies a design with fresh samples, others for each `round`. While some verdict is open, up to kMoreChecks times
+  // more of them, each time four times as many new ones. Nothing: no constraint has a probability, the design has a
+  // mistake, or `stop` was set.
   [[nodiscard]] std::optional<DispersedCheck> check_dispersed(const OptimizePoint& point, std::uint64_t round) const;
   static constexpr std::int64_t kMoreChecks = 16;
   // Intervals of the margins of the constraints with a probability, by the samples of the search.

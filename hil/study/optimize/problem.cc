@@ -86,7 +86,8 @@ std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePo
   try {
     const std::vector<Setting> settings = make_settings(problem, point);
     take(problem.tree->read(settings), false);
-    if (problem.campaign) take(make_campaign(*problem.campaign, settings, {problem.campaign->samples}).tree->get_nominal(), true);
+    if (problem.campaign)
+      take(make_campaign(*problem.campaign, settings, {problem.campaign->samples}).tree->get_nominal(), true);
   } catch (const ScenarioError&) {  // the design's run has reported it
   }
   return limits;

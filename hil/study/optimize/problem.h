@@ -60,7 +60,7 @@ struct OptimizeConstraint {
 struct OptimizeCampaign {
   std::string file, text, folder;
   std::int64_t samples = 0, checks = 0;
-  std::int64_t most = 0;  // the search's samples grow to these where fresh ones do not confirm its verdict
+  std::int64_t most = 0;               // the search's samples grow to these where fresh ones do not confirm its verdict
   std::vector<std::string> overrides;  // overrides of the problem's `set`
   std::shared_ptr<const Campaign> nominal;
   std::shared_ptr<const SampleEvaluator> evaluator;  // evaluator of the campaign's columns

@@ -28,7 +28,8 @@ class ProblemReader {
       : problem_(problem), folder_(std::move(folder)), mistakes_(mistakes) {}
 
   void read(const YamlNode& root) {
-    if (root.is_mapping() && root.find(kKey) == nullptr && root.find(kEarlierKey) == nullptr && root.find("unlatch") != nullptr)
+    if (root.is_mapping() && root.find(kKey) == nullptr && root.find(kEarlierKey) == nullptr &&
+        root.find("unlatch") != nullptr)
       return mistakes_.add(root.mark, "this is a scenario, not an optimisation problem",
                            "`unlatch run` flies it; an optimisation problem names it: `scenario: FILE`");
     YamlMap top(root, "the file", mistakes_);

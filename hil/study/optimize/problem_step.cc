@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "hil/study/campaign/samples/campaign_step.h"
 #include "hil/scenario/random/philox.h"
+#include "hil/study/campaign/samples/campaign_step.h"
 
 namespace unlatch::hil {
 namespace {

@@ -57,8 +57,7 @@ class Search {
       take_best();
     }
     if (!evaluations_.was_stopped())
-      result_.intervals =
-          evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
+      result_.intervals = evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
   }
 
   // The search's verdict on its best point is not that of the fresh samples.
@@ -440,7 +439,7 @@ class Search {
 }  // namespace
 
 OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study,
-                           const std::function<void(const OptimizePoint&)>& found) {
+                              const std::function<void(const OptimizePoint&)>& found) {
   return Search(problem, evaluations).run(study, found);
 }
 

@@ -33,8 +33,8 @@ struct OptimizeResult {
   std::vector<std::size_t> against;   // constraints that are all near the largest violation: they limit it together
   std::vector<std::size_t> front;     // samples, by the first objective; for several objectives
   std::vector<LocalResult> searches;  // local searches, in their order
-  std::int64_t flights = 0;           // dispersed samples by which the best was found; 0: no constraint has a probability
-  std::optional<DispersedCheck> check;                // of the best, by fresh samples
+  std::int64_t flights = 0;  // dispersed samples by which the best was found; 0: no constraint has a probability
+  std::optional<DispersedCheck> check;               // of the best, by fresh samples
   std::vector<std::optional<Interval>> intervals{};  // of the margins of the best, by constraint
   std::int64_t search_runs = 0;
   std::vector<ConstraintStudy> constraints;
@@ -44,8 +44,8 @@ struct OptimizeResult {
 };
 
 // Runs the search, checks probabilities by fresh samples, and makes the runs around the result (study.h) unless `study`
-// is false. `found` is called with each result before fresh samples check it. Throws ModuleError if the libraries are not
-// installed.
+// is false. `found` is called with each result before fresh samples check it. Throws ModuleError if the libraries are
+// not installed.
 OptimizeResult search_optimum(
     const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study = true,
     const std::function<void(const OptimizePoint&)>& found = [](const OptimizePoint&) {});

@@ -155,9 +155,7 @@ class VariableReader {
   void read_start(const YamlNode& node, OptimizeVariable& variable, bool sound) {
     if (!sound) return;
     if (variable.is_catalogue()) {
-      const auto same = [&](const YamlNode& item) {
-        return to_text(Setting{"", item}) == to_text(Setting{"", node});
-      };
+      const auto same = [&](const YamlNode& item) { return to_text(Setting{"", item}) == to_text(Setting{"", node}); };
       const auto found = std::find_if(variable.catalogue.begin(), variable.catalogue.end(), same);
       if (found == variable.catalogue.end())
         return mistakes_.add(node.mark, "the start is not in the catalogue", "write it as the catalogue does");

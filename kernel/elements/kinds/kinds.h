@@ -19,9 +19,8 @@
 
 namespace unlatch {
 
-using ElementKinds =
-    std::tuple<LoadKind, PointSpringKind, JointSpringKind, PlaneTorsionKind, ContactKind, OneSidedKind, FrictionKind,
-               AerodynamicsKind>;
+using ElementKinds = std::tuple<LoadKind, PointSpringKind, JointSpringKind, PlaneTorsionKind, ContactKind, OneSidedKind,
+                                FrictionKind, AerodynamicsKind>;
 inline constexpr std::size_t kElementKinds = std::tuple_size_v<ElementKinds>;
 
 // Calls use(kind) with an object of each kind, in order; kinds have no data, only their type counts.

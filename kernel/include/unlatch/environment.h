@@ -45,7 +45,7 @@ struct Atmosphere {
   std::vector<double> altitudes{};  // strictly increasing, two or more, m
   std::vector<double> densities{};  // kg/m³, > 0
   std::vector<double> pressures{};  // Pa, > 0
-#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
+#if __cplusplus >= 202002L          // programs of C++17 may read models, and not compare them
   bool operator==(const Atmosphere&) const = default;
 #endif
 };
@@ -55,7 +55,7 @@ struct Atmosphere {
 struct Wind {
   std::vector<double> altitudes{};            // strictly increasing, m; one or more
   std::vector<Eigen::Vector3d> velocities{};  // towards north, east, down, m/s
-#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
+#if __cplusplus >= 202002L                    // programs of C++17 may read models, and not compare them
   bool operator==(const Wind&) const = default;
 #endif
 };
@@ -64,7 +64,7 @@ struct Wind {
 struct LaunchSite {
   double latitude = 0, longitude = 0, altitude = 0;  // rad, rad, m
   double azimuth = 0;                                // of x, rad
-#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
+#if __cplusplus >= 202002L                           // programs of C++17 may read models, and not compare them
   bool operator==(const LaunchSite&) const = default;
 #endif
 };
@@ -75,7 +75,7 @@ struct Environment {
   std::optional<Atmosphere> atmosphere{};  // turns with the planet
   std::optional<Wind> wind{};              // no wind: the air rests on the planet
   LaunchSite launch;                       // of quantities that are seen from it
-#if __cplusplus >= 202002L  // programs of C++17 may read models, and not compare them
+#if __cplusplus >= 202002L                 // programs of C++17 may read models, and not compare them
   bool operator==(const Environment&) const = default;
 #endif
 };

@@ -23,8 +23,9 @@ struct RedundantRows {
 // At the state that the workspace's outputs are of; empty if every reaction is unique. Allocates.
 std::vector<RedundantRows> list_redundant_rows(const Plan& plan, const State& state, const Workspace& workspace);
 
-// Multiplications of one factorisation and solution; a sub-step has five and one more solution. Loops count with all rows
-// that their joints can hold: where some are redundant, or kept only at the beginning of a sub-step, they take less.
+// Multiplications of one factorisation and solution; a sub-step has five and one more solution. Loops count with all
+// rows that their joints can hold: where some are redundant, or kept only at the beginning of a sub-step, they take
+// less.
 struct LoopCost {
   std::int32_t clusters = 0;  // sets of loops that share bodies or meet others that do: each is eliminated by itself
   std::int64_t tree = 0;      // without its loops

@@ -74,7 +74,9 @@ double calc_allan(const std::vector<double>& values, std::size_t m) {
 }
 
 // Relative error of an Allan deviation over m of n samples: 1 / sqrt(2 (n/m − 1)), three of them.
-double calc_three_sigma(std::size_t n, std::size_t m) { return 3 / std::sqrt(2 * (static_cast<double>(n) / static_cast<double>(m) - 1)); }
+double calc_three_sigma(std::size_t n, std::size_t m) {
+  return 3 / std::sqrt(2 * (static_cast<double>(n) / static_cast<double>(m) - 1));
+}
 
 constexpr std::size_t kSamples = 200000;
 constexpr std::int64_t kEvery = 10;
@@ -84,7 +86,9 @@ TEST(SensorErrors, WhiteNoiseHasItsDensityAtAllTimes) {
   constexpr double kDensity = 0.05 * std::numbers::pi / 180 / 60;  // 0.05 deg/√h
   const std::vector<double> errors = record(with_errors({.sensor = 0, .noise_density = kDensity}, kEvery), kSamples);
   for (const std::size_t m : {1u, 10u, 100u, 1000u})
-    EXPECT_NEAR(calc_allan(errors, m) * std::sqrt(static_cast<double>(m) * kPeriod) / kDensity, 1, calc_three_sigma(kSamples, m)) << m;
+    EXPECT_NEAR(calc_allan(errors, m) * std::sqrt(static_cast<double>(m) * kPeriod) / kDensity, 1,
+                calc_three_sigma(kSamples, m))
+        << m;
 }
 
 TEST(SensorErrors, ARandomWalkGrowsWithTheRootOfTheTime) {
@@ -99,7 +103,8 @@ TEST(SensorErrors, ARandomWalkGrowsWithTheRootOfTheTime) {
 
 TEST(SensorErrors, ADriftHasItsSizeAndItsTime) {
   constexpr double kDrift = 2e-3, kTime = 0.5;
-  const std::vector<double> errors = record(with_errors({.sensor = 0, .drift = kDrift, .drift_time = kTime}, kEvery), kSamples);
+  const std::vector<double> errors =
+      record(with_errors({.sensor = 0, .drift = kDrift, .drift_time = kTime}, kEvery), kSamples);
   double square = 0, neighbours = 0;
   constexpr std::size_t kLag = 50;  // one correlation time
   for (std::size_t i = 0; i + kLag < errors.size(); ++i) {
@@ -153,8 +158,10 @@ TEST(SensorErrors, LostSamplesAreHeldAndAsManyAsSaid) {
     truth[0] = static_cast<double>(tick);
     held.sample(tick, truth);
     const double now = held.get_sensors()[0];
-    if (now == last) ++lost;
-    else EXPECT_EQ(now, static_cast<double>(tick));
+    if (now == last)
+      ++lost;
+    else
+      EXPECT_EQ(now, static_cast<double>(tick));
     last = now;
   }
   EXPECT_NEAR(lost, 0.2 * kTicks, 4 * std::sqrt(0.2 * 0.8 * kTicks));
@@ -193,7 +200,8 @@ TEST(SensorErrors, SeedsValuesAndSensorsAreIndependent) {
   EXPECT_LT(std::abs(together / 20000), 4 / std::sqrt(20000.0));
 }
 
-// --- The language ------------------------------------------------------------------------------------------------------
+// --- The language
+// ------------------------------------------------------------------------------------------------------
 
 hil::Scenario load(const std::string& errors) {
   std::string text = kGoodScenario;
@@ -204,8 +212,9 @@ hil::Scenario load(const std::string& errors) {
 
 TEST(SensorErrors, UnitsOfDataSheetsAreRead) {
   constexpr double kDegree = std::numbers::pi / 180;
-  const hil::Scenario scenario = load("noise_density: 0.05 deg/√h, walk: 0.3 deg/h/√h, bias: 2 deg/h, drift: 0.5 deg/h, noise: 1e-3, "
-                                      "quantum: 10 mrad/s, scale: 300e-6");
+  const hil::Scenario scenario = load(
+      "noise_density: 0.05 deg/√h, walk: 0.3 deg/h/√h, bias: 2 deg/h, drift: 0.5 deg/h, noise: 1e-3, "
+      "quantum: 10 mrad/s, scale: 300e-6");
   ASSERT_EQ(scenario.rates.errors.sensors.size(), 1u);
   const hil::SensorErrors& own = scenario.rates.errors.sensors[0];
   EXPECT_DOUBLE_EQ(own.noise_density, 0.05 * kDegree / 60);
@@ -220,8 +229,8 @@ TEST(SensorErrors, UnitsOfDataSheetsAreRead) {
 }
 
 TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {
-  for (const char* const wrong : {"noise: 5 µg", "noise_density: 0.05 deg/h", "noise_density: 0.05 deg/√h/√h", "noise: -1", "dropout: 1.5",
-                                  "delay: 0.5", "bias: [1, 2]", "walk: 1 deg/√h"})
+  for (const char* const wrong : {"noise: 5 µg", "noise_density: 0.05 deg/h", "noise_density: 0.05 deg/√h/√h",
+                                  "noise: -1", "dropout: 1.5", "delay: 0.5", "bias: [1, 2]", "walk: 1 deg/√h"})
     EXPECT_THROW(load(wrong), hil::ScenarioError) << wrong;
 }
 

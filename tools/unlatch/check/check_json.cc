@@ -7,8 +7,8 @@
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/check/check_findings.h"
-#include "tools/unlatch/results/finding_report.h"
 #include "tools/unlatch/options/scenario_notes.h"
+#include "tools/unlatch/results/finding_report.h"
 #include "tools/unlatch/results/redundancy.h"
 
 namespace unlatch::tools {

@@ -142,13 +142,14 @@ int run(const ExportOptions& options) {
   sink->begin(*selection, recording.header);
 
   Progress progress(recording.header.dt, recording.header.last_tick);
-  const hil::ReplayResult result = hil::replay(recording, simulation, analysis ? &*analysis : nullptr, [&](const StepReport& report) {
-    progress.show(simulation.get_tick());
-    selection->set_received(recording.received);
-    if (!selection->look(report, recording.take_events())) return;
-    sink->add_tick(*selection);
-    destination.check();
-  });
+  const hil::ReplayResult result =
+      hil::replay(recording, simulation, analysis ? &*analysis : nullptr, [&](const StepReport& report) {
+        progress.show(simulation.get_tick());
+        selection->set_received(recording.received);
+        if (!selection->look(report, recording.take_events())) return;
+        sink->add_tick(*selection);
+        destination.check();
+      });
   progress.clear();
   if (selection->look_at_end()) sink->add_tick(*selection);
   if (analysis)

@@ -93,7 +93,7 @@ class Session {
     warn_of_unstable_elements(scenario_);
     if (options_.pace == hil::Pace::kFast) warn_of_absent_flight_software(scenario_);
     open_tick_source();
-    if (!options_.faults.empty()) 
+    if (!options_.faults.empty())
       faults_.emplace(hil::load_faults(options_.faults, scenario_), simulation_->get_sensors().size());
     connect();
     header_.has_received = faults_ || has_held_sensors();
@@ -256,7 +256,8 @@ class Session {
     std::optional<hil::ReplayResult> replayed;
     std::string message = end.message;
     try {
-      replayed = hil::replay(recording, *again, &analysis, [&](const StepReport&) { outputs.look(recording.received); });
+      replayed =
+          hil::replay(recording, *again, &analysis, [&](const StepReport&) { outputs.look(recording.received); });
       outputs.finish();
     } catch (const hil::LogError& lossy) {
       message += (message.empty() ? "" : "; ") + std::string(lossy.what());
@@ -268,22 +269,9 @@ class Session {
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
     tell_unresolved(analysis, status, message);
-    const RunReport report{scenario_,
-                           *again,
-                           analysis,
-                           status,
-                           message,
-                           end.tick,
-                           end.hash,
-                           end.timing,
-                           recording.notices,
-                           replayed,
-                           refused_,
-                           unfit_,
-                           {},
-                           &outputs,
-                           recording.events,
-                           recording.events_left_out};
+    const RunReport report{
+        scenario_,         *again,   analysis, status, message, end.tick, end.hash,         end.timing,
+        recording.notices, replayed, refused_, unfit_, {},      &outputs, recording.events, recording.events_left_out};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
     write_junit(report, options_.output.junit, wall_time_.get());

@@ -160,8 +160,9 @@ void print_poles(std::FILE* out, const hil::LinearSystem& system) {
                  hil::write_short(size / (2 * std::numbers::pi)).c_str(),
                  hil::write_short(drop_rounding(-pole.real() / size, 1e3)).c_str());
   }
-  if (still > 0) std::fprintf(out, "%s at 0, to %s /s: free motions\n", count(still, "pole").c_str(),
-                              hil::write_short(system.pole_rounding).c_str());
+  if (still > 0)
+    std::fprintf(out, "%s at 0, to %s /s: free motions\n", count(still, "pole").c_str(),
+                 hil::write_short(system.pole_rounding).c_str());
 }
 
 void print_margin(std::FILE* out, const char* name, const std::optional<hil::LoopMargins::At>& margin, double unit,
@@ -190,7 +191,8 @@ void print(std::FILE* out, const hil::Scenario& scenario, const hil::LinearSyste
                hil::write_short(calc_relative_error(model.C, model.C_error)).c_str(),
                hil::write_short(calc_relative_error(model.D, model.D_error)).c_str());
   if (model.accelerations.size() > 0 && model.accelerations.cwiseAbs().maxCoeff() > 1e-6)
-    std::fprintf(out, "note: the state is no equilibrium; the model is of deviations from the motion that goes through it\n");
+    std::fprintf(
+        out, "note: the state is no equilibrium; the model is of deviations from the motion that goes through it\n");
   for (const int corner : model.corners) {
     const auto k = static_cast<std::size_t>(corner);
     std::fprintf(out, "warning: forces have a corner along %s here; its column is the mean of both sides\n",
@@ -240,17 +242,20 @@ void add_linearize(Command app, int& exit_code) {
   auto options = std::make_shared<LinearizeOptions>();
   Command command = app.add_verb(
       "linearize",
-      "Linearises a scenario about a state of its run: dx/dt = A x + B u, y = C x + D u, with x the free coordinates of "
+      "Linearises a scenario about a state of its run: dx/dt = A x + B u, y = C x + D u, with x the free coordinates "
+      "of "
       "the present modes and their speeds, u the channels, y sensors and quantities. Prints the poles; with --loop the "
       "margins of a loop with sampling and delay.",
       "unlatch linearize hil/scenarios/array/scenario.yaml --at event:latch1 --out array.mat\n"
-      "unlatch linearize plant.yaml --inputs torque --outputs 'sensor.gyro.*' --loop 'torque=30*sensor.gyro.z' --period "
+      "unlatch linearize plant.yaml --inputs torque --outputs 'sensor.gyro.*' --loop 'torque=30*sensor.gyro.z' "
+      "--period "
       "10ms --delay 20ms");
   add_scenario_options(command, options->scenario);
   command
-      .add_option("--at", options->at,
-                  "the state: a time, s, moved to the nearest tick; or event:NAME or event:NAME.SUBJECT, the end of the "
-                  "step in which this event acts first (default: 0)")
+      .add_option(
+          "--at", options->at,
+          "the state: a time, s, moved to the nearest tick; or event:NAME or event:NAME.SUBJECT, the end of the "
+          "step in which this event acts first (default: 0)")
       .type_name("TIME|event:NAME");
   command.add_option("--inputs", options->inputs, "channels, by name or pattern (default: all)")
       .type_name("NAME,...")
@@ -261,11 +266,14 @@ void add_linearize(Command app, int& exit_code) {
       .type_name("NAME,...")
       .delimiter(',');
   command
-      .add_option("--loop", options->loops,
-                  "prints the margins of negative feedback: the channel is minus the sum of gain times output; repeatable")
+      .add_option(
+          "--loop", options->loops,
+          "prints the margins of negative feedback: the channel is minus the sum of gain times output; repeatable")
       .type_name("CHANNEL=GAIN*OUTPUT+...")
       .repeatable();
-  command.add_option("--period", options->period, "of the loops, s: outputs are sampled and the channel is held (default: continuous)")
+  command
+      .add_option("--period", options->period,
+                  "of the loops, s: outputs are sampled and the channel is held (default: continuous)")
       .seconds();
   command.add_option("--delay", options->delay, "of the loops, s, from a sample to the command (default: 0)")
       .seconds(Seconds::kZeroToo);

@@ -247,7 +247,8 @@ void print_check(std::FILE* to, const OptimizeReport& report, std::size_t constr
   constexpr const char* kTold[] = {"met", "neither shown nor refuted; more `checks` narrow it", "NOT MET"};
   const auto& check = *find_check(report, constraint);
   const hil::DispersedCheck& all = *report.result.check;
-  const std::string unresolved = all.unresolved > 0 ? format(", %lld unresolved", static_cast<long long>(all.unresolved)) : "";
+  const std::string unresolved =
+      all.unresolved > 0 ? format(", %lld unresolved", static_cast<long long>(all.unresolved)) : "";
   std::fprintf(to,
                "  %-16s %lld of %s fail%s: probability of failure %.4f to %.4f (95 %%), at most %.4g is allowed: %s\n",
                report.problem.constraints[constraint].name.c_str(), static_cast<long long>(check.failed),
@@ -278,7 +279,8 @@ void print_verification(std::FILE* to, const OptimizeReport& report) {
     std::fprintf(to, "  no other samples have checked the probabilities (checks: 0)\n");
   if (is_any_refuted(report))
     std::fprintf(to,
-                 "  the samples of the search were too few to decide: raise campaign.samples and campaign.most, or the probability\n");
+                 "  the samples of the search were too few to decide: raise campaign.samples and campaign.most, or the "
+                 "probability\n");
 }
 
 }  // namespace
