@@ -7,6 +7,7 @@
 #include "kernel/laws/law_graph.h"
 #include "kernel/laws/law_model.h"
 #include "kernel/laws/table_weights.h"
+#include "kernel/laws/tables.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch {
@@ -14,12 +15,8 @@ namespace {
 
 std::int32_t get_size(const auto& list) { return static_cast<std::int32_t>(list.size()); }
 
-// The part of its axis that a coordinate is in, as find_cell() in tables.cc finds it.
-std::int32_t find_part(const PlanTableAxis& axis, std::span<const double> knots, double x) {
-  return std::clamp(static_cast<std::int32_t>((x - knots[0]) * axis.bucket_scale), 0, axis.bucket_count - 1);
-}
-
-// Twice as many uniform parts as cells; one on which the scale would overflow has one.
+// Twice as many uniform parts as cells. On one so short that the scale overflows all knots but the first are in the
+// last.
 void compile_buckets(std::span<const double> knots, PlanLawLists<GrowingList>& plan, PlanTableAxis& axis) {
   axis.bucket_count = 2 * (axis.count - 1);
   axis.bucket_scale = axis.bucket_count / (knots.back() - knots.front());
@@ -28,7 +25,7 @@ void compile_buckets(std::span<const double> knots, PlanLawLists<GrowingList>& p
   // monotone.
   std::int32_t before = 0;
   for (std::int32_t b = 0; b <= axis.bucket_count; ++b) {
-    while (before < axis.count && find_part(axis, knots, knots[at(before)]) < b) ++before;
+    while (before < axis.count && find_bucket(axis, knots[0], knots[at(before)]) < b) ++before;
     plan.buckets.push_back(std::max(0, before - 1));
   }
 }

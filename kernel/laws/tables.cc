@@ -17,8 +17,7 @@ struct AxisPlace {
 std::int32_t find_cell(const PlanLaws& plan, const PlanTableAxis& axis, double x) {
   const double* knots = &plan.numbers[at(axis.knots)];
   const std::int32_t* buckets = &plan.buckets[at(axis.buckets)];
-  const auto part = static_cast<std::int32_t>((x - knots[0]) * axis.bucket_scale);
-  const std::int32_t bucket = std::clamp<std::int32_t>(part, 0, axis.bucket_count - 1);
+  const std::int32_t bucket = find_bucket(axis, knots[0], x);
   std::int32_t low = buckets[bucket], high = buckets[bucket + 1] + 1;
   while (high - low > 1) {
     const std::int32_t middle = (low + high) / 2;

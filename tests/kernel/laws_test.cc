@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -188,6 +189,28 @@ TEST(Tables, FindTheirCellHoweverUnevenlyTheKnotsLie) {
     EXPECT_NEAR(look({below}), below, kRounding * std::abs(knots.back()));
     EXPECT_NEAR(look({middle}), middle, kRounding * std::abs(knots.back()));
   }
+}
+
+// The number of parts over the length overflows on the first axis, and on the second the parts of a cell do not.
+TEST(Tables, FindTheirCellOnTheShortestAndOnTheLongestAxes) {
+  std::vector<double> shortest{0};
+  while (shortest.size() < 64) shortest.push_back(shortest.back() + 6e-309);
+  const std::vector<double> longest{-8e307, -1e307, -1, 0, 1e-300, 1, 9e307};
+  for (const std::vector<double>& knots : {shortest, longest})
+    for (const Table::Interpolation kind : {Table::Interpolation::kLinear, Table::Interpolation::kSmooth}) {
+      double number = 0;
+      Table table = table_of({knots}, [&](const auto&) { return ++number; });
+      table.interpolation = kind;
+      Lookup look(table);
+      for (std::size_t i = 0; i < knots.size(); ++i)
+        EXPECT_NEAR(look({knots[i]}), static_cast<double>(i) + 1, 1e-9) << knots[i];
+      EXPECT_EQ(look.exit.axis, kNone);
+      for (const double beyond : {1.7e308, std::numeric_limits<double>::infinity()}) {
+        EXPECT_NEAR(look({beyond}), static_cast<double>(knots.size()), 1e-9);
+        EXPECT_NEAR(look({-beyond}), 1, 1e-9);
+        EXPECT_EQ(look.exit.axis, 0);
+      }
+    }
 }
 
 TEST(Tables, SmoothOnesAreExactForCubicsAndTheirSecondDerivativesAreContinuous) {

@@ -77,6 +77,8 @@ def ramp(t, begin, end, to):
 
 
 class Boosters:
+    tolerance = 1e-12  # of the integration
+
     def __init__(self, case):
         self.mass = [P["core"]["m"]] + [b["m"] for b in P["boosters"]]
         self.inertia = [np.array(P["core"]["J"])] + [np.array(b["J"]) for b in P["boosters"]]
@@ -122,6 +124,13 @@ class Boosters:
                 force, moment = force + jet, moment + np.cross(n["nozzle_point"], jet)
         return c @ force, c @ moment
 
+    def calc_load(self, t, i, s, c):
+        """Returns force and moment about the centre of mass of body i, inertial axes, without gravity."""
+        if i > 0:
+            return self.forces(t, i - 1, c[i])
+        force, moment = self.calc_core_load()
+        return c[0] @ force, c[0] @ moment
+
     def calc_gravity(self, place):
         if self.centre is None:
             return np.array(P["gravity"])
@@ -160,10 +169,7 @@ class Boosters:
             j = left[i] * c[i] @ self.inertia[i] @ c[i].T
             m[6 * i:6 * i + 3, 6 * i:6 * i + 3] = left[i] * self.mass[i] * np.eye(3)
             m[6 * i + 3:6 * i + 6, 6 * i + 3:6 * i + 6] = j
-            if i == 0:
-                force, moment = (c[0] @ load for load in self.calc_core_load())
-            else:
-                force, moment = self.forces(t, i - 1, c[i])
+            force, moment = self.calc_load(t, i, s, c)
             f[6 * i:6 * i + 3] = force + left[i] * self.mass[i] * self.calc_gravity(s[i, :3])
             f[6 * i + 3:6 * i + 6] = moment - np.cross(w[i], j @ w[i])
         rows, rhs, names = [], [], []
@@ -270,7 +276,7 @@ class Boosters:
                     return g(u, v)
                 function.terminal, function.direction = True, 1
                 functions.append(function)
-            out = solve_ivp(self.rate, (t, stop), y, method="DOP853", rtol=1e-12, atol=1e-12, events=functions)
+            out = solve_ivp(self.rate, (t, stop), y, method="DOP853", rtol=self.tolerance, atol=self.tolerance, events=functions)
             t, y = out.t[-1], out.y[:, -1]
             if out.status == 1:
                 due = [(n, k) for n, k, g in guards if g(t, y) >= -TOUCH[n]]

@@ -1,7 +1,10 @@
-"""Figures of the strap-on separation in air, beside the same in vacuum."""
+"""Figures of the strap-on separation in air, beside the same without it."""
 import math
 
-CASES = (("reference", "vacuum", "#1d3557"), ("ascent", "Mach 5 at 45 km", "#c1121f"))
+from plots import campaign
+
+CASES = (("ascent-vacuum", (), "without air", "#1d3557"), ("ascent", (), "Mach 5 at 45 km", "#c1121f"),
+         ("ascent", ("--set", "tables.push.scale=0"), "without the core's shock", "#f4a261"))
 
 
 def add(figure, tools):
@@ -9,15 +12,15 @@ def add(figure, tools):
     def ascent(bench):
         import matplotlib.pyplot as plt
         drawn, (left, middle, right) = plt.subplots(1, 3, figsize=(7.5, 2.8), constrained_layout=True)
-        for name, label, colour in CASES:
-            run = bench.run(f"boosters/{name}.yaml", 2, 0.01)
+        for name, options, label, colour in CASES:
+            run = bench.run(f"boosters/{name}.yaml", 2, 0.01, *options)
             times = tools.get_times(run)
-            bodies = [sample["bodies"] for sample in run["samples"]]
-            left.plot([b["booster1"]["p"][0] - b["core"]["p"][0] for b in bodies], [b["booster1"]["p"][1] - b["core"]["p"][1] for b in bodies],
-                      color=colour, label=label)
-            middle.plot(times, [math.degrees(2 * math.atan2(b["booster1"]["q"][3], b["booster1"]["q"][0])) for b in bodies], color=colour)
-            right.plot(times, [b["booster1"]["p"][1] - b["core"]["p"][1] + 13.2 * math.sin(2 * math.atan2(b["booster1"]["q"][3], b["booster1"]["q"][0]))
-                               for b in bodies], color=colour)
+            pairs = [(sample["bodies"]["core"], sample["bodies"]["booster1"]) for sample in run["samples"]]
+            centres = [tools.seen_from(core, booster, [0, 0, 0]) for core, booster in pairs]
+            noses = [tools.seen_from(core, booster, [13.2, 0, 0]) for core, booster in pairs]
+            left.plot([c[0] for c in centres], [c[1] for c in centres], color=colour, label=label)
+            middle.plot(times, [math.degrees(math.asin((n[1] - c[1]) / 13.2)) for n, c in zip(noses, centres)], color=colour)
+            right.plot(times, [n[1] for n in noses], color=colour)
         left.set_title("Centre of booster 1", loc="left")
         left.set_xlabel("along the core, m")
         left.set_ylabel("from its axis, m")
@@ -29,3 +32,8 @@ def add(figure, tools):
         for axes in (middle, right):
             axes.set_xlabel("time, s")
         return drawn
+
+    @figure("boosters-air")
+    def air(bench):
+        return campaign.draw(bench, tools, "boosters/campaign-air.yaml", ["away1", "away2", "away3", "away4"], "centre of a booster from the core's axis at 2 s", "m",
+                             labels=("booster 1, above", "booster 2", "booster 3, below", "booster 4"), colours=("#1d3557", "#457b9d", "#e09f3e", "#9b5de5"))
