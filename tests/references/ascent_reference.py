@@ -32,7 +32,7 @@ AREA, CORE_AREA, LENGTH = math.pi * RADIUS**2, math.pi * CORE_RADIUS**2, 2 * RAD
 
 
 class Spline:
-    """A tensor product of cubic splines without knots beside the ends, over the columns of a file; constant beyond its ends."""
+    """A tensor product of cubic splines without knots beside the ends, over the columns of a file (in FOLDER); constant beyond its ends."""
 
     def __init__(self, file, axes, column):
         lines = [line for line in (FOLDER / file).read_text().splitlines() if not line.startswith("#")]

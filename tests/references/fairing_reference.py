@@ -198,6 +198,14 @@ class Jettison:
                 force[1 - base] -= pull * (y @ dq)
         return force
 
+    def calc_core_load(self, core):
+        """Returns force (inertial) and moment (its axes) about the core's centre of mass: none here."""
+        return np.zeros(6)
+
+    def calc_half_load(self, core, halves, k, flat):
+        """Returns what else acts on half k, by the speeds of its points' Jacobian `flat`: nothing here."""
+        return 0
+
     def solve(self, t, y):
         """Returns d(speeds)/dt, ordered: core 6, then for each half its own (1 or 6) and eta's."""
         core, halves = self.unpack(y)
@@ -207,6 +215,7 @@ class Jettison:
         M, F, first = np.zeros((size, size)), np.zeros(size), 6
         M[:3, :3], M[3:6, 3:6] = CORE_MASS * np.eye(3), np.diag(CORE_INERTIA)
         F[3:6] = -np.cross(w, CORE_INERTIA * w)
+        F[:6] += self.calc_core_load(core)
         locked = self.lock_forces(halves) if self.locks else None
         for k, (own, eta, rate) in enumerate(halves):
             columns = np.r_[0:6 if self.hinged[k] else 0, first:first + counts[k]]
@@ -214,6 +223,7 @@ class Jettison:
             flat, weight = J.reshape(-1, len(columns)), np.repeat(half.m, 3)
             M[np.ix_(columns, columns)] += flat.T @ (weight[:, None] * flat)
             F[columns] -= flat.T @ (weight * bias.ravel())
+            F[columns] += self.calc_half_load(core, halves, k, flat)
             last = slice(first + counts[k] - SELECT, first + counts[k])
             F[last] -= half.omega**2 * eta + 2 * DAMPING * half.omega * rate
             if self.locks:

@@ -38,10 +38,9 @@ void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
         mistakes_.add(rates->mark, "these are not three derivatives", "write those by p, q and r: [-0.4, 0, 0]");
         continue;
       }
-      for (int rate = 0; rate < 3; ++rate) {
-        const double value = read_number(rates->items[static_cast<std::size_t>(rate)], "", 0.0, mistakes_);
-        if (value != 0) air.terms.push_back({static_cast<AeroTerm::Of>(i), rate, value, kNone});
-      }
+      for (int rate = 0; rate < 3; ++rate)
+        read_coefficient(rates->items[static_cast<std::size_t>(rate)], {static_cast<AeroTerm::Of>(i), rate, 0, kNone},
+                         air);
     }
     damping.finish();
   }
