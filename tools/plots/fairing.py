@@ -140,6 +140,29 @@ def add(figure, tools):
         columns[0].set_ylabel("y, m")
         return drawn
 
+    @figure("fairing-ascent")
+    def ascent(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, middle, right) = plt.subplots(1, 3, figsize=(7.5, 2.9), constrained_layout=True)
+        for label, options, colour in (("without air", ("--set", "constants.area=1e-9 m2"), "#1d3557"), ("in air", (), "#c1121f")):
+            run = bench.run("fairing/ascent.yaml", 3, 0.02, *options)
+            times, bodies = tools.get_times(run), [sample["bodies"] for sample in run["samples"]]
+            noses, bases = ([tools.seen_from(b["core"], b[f"half1_{marker}"], [0, 0, 0]) for b in bodies] for marker in ("nose", "base_left"))
+            leans = [tools.into(b["core"]["q"], tools.rotate(b["half1"]["q"], [0, 0, 1])) for b in bodies]
+            release = min(event["t"] for event in run["events"] if event["name"] == "release")
+            left.plot(times, [math.degrees(math.atan2(lean[1], lean[2])) for lean in leans], color=colour, label=f"{label}: {release:.3f} s")
+            middle.plot([n[1] for n in noses], [n[2] - 3 for n in noses], color=colour)
+            right.plot(times, [math.hypot(b[0], b[1]) - 1.6 for b in bases], color=colour)
+        left.axhline(60, color="0.6", linewidth=0.8, linestyle="--")
+        left.set(xlabel="t, s", ylabel="half 1, deg; dashed: release", ylim=(0, 155))
+        left.set_title("Opening", loc="left")
+        left.legend(loc="upper left")
+        middle.set(xlabel="from the core's axis, m", ylabel="from the base, m")
+        middle.set_title("Path of the nose", loc="left")
+        right.set(xlabel="t, s", ylabel="from the payload's cylinder, m", xlim=(0, 1.6), ylim=(0, 0.8))
+        right.set_title("Edge at the base", loc="left")
+        return drawn
+
     points = (("base", "#c1121f"), ("middle", "#e09f3e"), ("top", "#457b9d"))
 
     @figure("fairing-displacement")

@@ -11,9 +11,11 @@ import sys
 import yaml
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
-FAIRING, UNZIP = SCENARIOS / "fairing/scenario.yaml", SCENARIOS / "fairing/unzip.yaml"
+FAIRING, UNZIP, ASCENT = (SCENARIOS / f"fairing/{name}.yaml" for name in ("scenario", "unzip", "ascent"))
 REFERENCE = json.loads((SOURCE / "tests/data/fairing_jettison.json").read_text())
+REFERENCE["ascent"] = json.loads((SOURCE / "tests/data/fairing_ascent.json").read_text())
 EVENT_TIME = 1e-6  # s, asked for at the scenario's step
+AIR_TABLE = [[1.609, 0.3091], [1.651, 0.3091]]  # README.md: release, s, and base edge to payload, m, in air and without
 STATE = 1e-6       # relative to the largest of its kind in the run: positions, attitudes, velocities, rates
 
 
@@ -53,8 +55,11 @@ class FairingTest(ProcessTest):
 
         for sample in samples:
             expected = reference["samples"][str(round(sample["t"], 9))]
-            bodies = sample["bodies"]
+            bodies, core, core_wanted = sample["bodies"], sample["bodies"]["core"], expected["bodies"][0]
             for body, numbers in zip(("core", "half1", "half2"), expected["bodies"], strict=True):
+                if file == ASCENT:  # what the halves do beside the core, which flies some kilometres
+                    compare("beside", *([a - b for a, b in zip(*pair)] for pair in ((bodies[body]["p"], core["p"]), (numbers[:3], core_wanted[:3]))))
+                    compare("parting", *([a - b for a, b in zip(*pair)] for pair in ((bodies[body]["v"], core["v"]), (numbers[7:10], core_wanted[7:10]))))
                 compare("place", bodies[body]["p"], numbers[:3])
                 compare("attitude", align(bodies[body]["q"], numbers[3:7]), numbers[3:7])
                 compare("velocity", bodies[body]["v"], numbers[7:10])
@@ -80,6 +85,26 @@ class FairingTest(ProcessTest):
 
     def test_a_dead_pusher_twists_and_tumbles_as_the_mass_points_do(self):
         self.check("dead-pusher", "--set", "elements.push1_left.enabled=false", code=1)  # it enters the payload's zone
+
+    # tests/references/fairing_ascent_reference.py: gravity on each mass point, air on each marker.
+    def test_halves_in_air_part_as_their_mass_points_do(self):
+        self.check("ascent", file=ASCENT)
+
+    def test_the_air_opens_the_halves_sooner_as_the_readme_says(self):
+        found = []
+        for area in ("44 m2", "1e-9 m2"):
+            run = self.run_json(UNLATCH, "run", ASCENT, "--set", f"constants.area={area}", code=None)
+            release = next(event["t"] for event in run["events"] if event["name"] == "release")
+            gaps = {tuple(entry["pair"]): entry["min"] for entry in run["clearance"]}
+            found.append([round(release, 3), round(gaps["core", "half1_base_left"], 4)])
+        self.assertEqual(found, AIR_TABLE)
+
+    def test_the_tables_of_the_air_are_those_that_their_script_writes(self):
+        script = self.folder / "make-ascent"
+        script.write_bytes((ASCENT.parent / "make-ascent").read_bytes())
+        self.run_ok("/usr/bin/python3", script)
+        for name in ("ascent-free.csv", "ascent-near.csv"):
+            self.assertEqual((self.folder / name).read_bytes(), (ASCENT.parent / name).read_bytes())
 
     def test_a_joint_that_opens_progressively_parts_as_the_mass_points_do(self):
         self.check("unzip", "--set", "step.dt=0.000125", file=UNZIP)  # the locks are stiffer than the modes
