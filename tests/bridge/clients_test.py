@@ -5,6 +5,7 @@ separate network namespace:
     clients_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
 import json
+import math
 import os
 import re
 import struct
@@ -22,6 +23,24 @@ DDS_TYPES = BIN.parent / "bridge/examples/libexample_python_dds_types.so"
 PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
 # Thrust of 5000 N on 100 kg from 0.1 to 0.3 s, free until 0.5 s: 1 m + 10 m/s * 0.2 s.
 FLOWN = "x = 3.000000 m"
+# The same probe, whose thrust follows from a table over its speed; the pilot's channel scales the table.
+TABLE = """unlatch: 1
+name: probe
+step: {dt: 0.001, until: 0.5}
+bodies:
+  probe: {mass: 100, inertia: [10, 20, 25]}
+channels:
+  throttle: {initial: 0, range: [0, 1], safe: 0}
+quantities:
+  speed: {velocity: {body: probe, component: x}}
+tables:
+  force: {axes: {speed: {of: speed, at: [-5, 20], unit: m/s}}, values: [5500, 3000], unit: N, scale_channel: throttle}
+elements:
+  engine: {type: thrust, body: probe, direction: [1, 0, 0], profile: {expression: force}}
+sensors:
+  gyro: {type: rate, body: probe}
+flight_software: {required: [pilot], timeout: 5, policy: abort}
+"""
 
 
 def read_log(path):
@@ -49,6 +68,24 @@ class ClientsTest(ProcessTest):
         reports = [self.fly("dds", [BIN / "example_pilot_c"]), self.fly("dds", python), self.fly("lcm", [BIN / "example_pilot_cpp"]),
                    self.fly("udp", [BIN / "example_pilot_udp"])]
         self.assertEqual(len({report["hash"] for report in reports}), 1)
+
+    # m dv/dt = 5000 N - 100 kg/s v from 0.1 to 0.3 s.
+    def test_a_commanded_channel_scales_a_table_over_dds_lcm_and_udp_with_the_same_bits(self):
+        scenario, found = self.folder / "table.yaml", set()
+        scenario.write_text(TABLE)
+        for transport, pilot in (("dds", "example_pilot_c"), ("lcm", "example_pilot_cpp"), ("udp", "example_pilot_udp")):
+            process, log = self.begin(BIN / pilot), self.folder / f"{transport}.log"
+            report = self.run_json(UNLATCH, "hil", scenario, "--transport", transport, "--pace", "lockstep", "--log", log)
+            self.finish(process)
+            self.assertEqual(report["status"], "ok")
+            body = report["samples"][-1]["bodies"]["probe"]
+            speed = 50 * (1 - math.exp(-0.2))
+            self.assertAlmostEqual(body["v"][0], speed, places=9)
+            self.assertAlmostEqual(body["p"][0], 50 * (0.2 - (1 - math.exp(-0.2))) + 0.2 * speed, places=9)
+            again = self.run_json(UNLATCH, "replay", log)
+            self.assertTrue(again["replay"]["agrees"])
+            found |= {report["hash"], again["hash"]}
+        self.assertEqual(len(found), 1)
 
     def test_the_s_function_flies_the_pilots_bits_and_names_what_it_does_not_find(self):
         wanted = self.fly("udp", [BIN / "example_pilot_udp"])["hash"]

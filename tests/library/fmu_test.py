@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from fmi_rules import list_faults  # noqa: E402
-from processes import BIN, BOOSTERS, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, main  # noqa: E402
+from processes import BIN, BOOSTERS, FLIGHT, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, main  # noqa: E402
 
 if SANITIZED:
     sys.exit(77)  # Python itself would need the sanitizer
@@ -414,6 +414,34 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
             self.assertEqual(fmu.begin(), OK, fmu.messages)
             self.assertEqual(fmu.step(0.0, 0.4)[0], OK)
             self.assertEqual((fmu.get("bodies.probe.inertia[2]"), fmu.get("bodies.probe.position.x")), (26, wanted))
+
+    # Scale and offset of a table, a constant of an expression and the channel of the table; quantities of flight as sensors.
+    def test_tables_expressions_and_air_have_the_bits_of_the_program(self):
+        scenario, changes = self.folder / "dart.yaml", {"tables.pitching.scale": 1.25, "tables.pitching.offset": 0.01, "constants.fineness": 1.75}
+        scenario.write_text(FLIGHT, encoding="utf-8")
+        options = [option for name, value in changes.items() for option in ("--set", f"{name}={value}")]
+        wanted = self.run_json(UNLATCH, "run", scenario, "--outputs", "sensor.*@400", *options)
+        with unlatch.load(scenario, changes) as sim:
+            sim.run(until=1)
+            sim.channels["gain"] = 0.5
+            sim.run(until=2)
+            commanded = sim.hash, sim.sensors["alpha"][0]
+            place = list(sim.bodies["dart"].position)
+        for version in (3, 2):
+            fmu = self.open(version, scenario)
+            for name, value in changes.items():
+                self.assertEqual(fmu.set(name, value), OK, fmu.messages)
+            self.assertEqual(fmu.begin(), OK, fmu.messages)
+            self.assertEqual(fmu.step(0.0, 1.0)[0], OK)
+            state, _ = fmu.save()
+            self.assertEqual(fmu.step(1.0, 1.0)[0], OK)
+            self.assertEqual([fmu.get("sensors.alpha"), fmu.get("sensors.load")], wanted["outputs"][0]["rows"][-1])
+            self.assertEqual([fmu.get(f"bodies.dart.position.{axis}") for axis in "xyz"], wanted["samples"][-1]["bodies"]["dart"]["p"])
+            self.assertEqual(fmu.call(fmu.state_name("SetFMUState"), state), OK)
+            self.assertEqual(fmu.set("channels.gain", 0.5), OK)
+            self.assertEqual(fmu.step(1.0, 1.0)[0], OK)
+            self.assertEqual(fmu.get("sensors.alpha"), commanded[1])
+            self.assertEqual([fmu.get(f"bodies.dart.position.{axis}") for axis in "xyz"], place)
 
     def test_the_scheme_of_the_resources_may_be_in_capitals(self):
         self.assertEqual(self.open(2, scheme="FILE:").begin(), OK)

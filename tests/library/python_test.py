@@ -15,7 +15,7 @@ import threading
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from processes import BIN, BOOSTERS, HANG, REFERENCE, SANITIZED, SOURCE, ProcessTest, main  # noqa: E402
+from processes import BIN, BOOSTERS, FLIGHT, HANG, REFERENCE, SANITIZED, SOURCE, ProcessTest, main  # noqa: E402
 
 BUILD = BIN.parent
 if SANITIZED:
@@ -210,6 +210,29 @@ class PythonTest(ProcessTest):
         with unlatch.open_recording(log) as replay:
             self.assertEqual(replay.run(ticks=1000), 300)
             self.assertEqual(replay.hash, ended)
+
+    # Parameters of tables as overrides, the channel of a table, quantities of flight as sensors: the bits of the program.
+    def test_tables_expressions_and_air_have_the_bits_of_the_program(self):
+        path, changes = self.folder / "dart.yaml", {"tables.pitching.scale": 1.25, "tables.pitching.offset": 0.01, "constants.fineness": 1.75}
+        path.write_text(FLIGHT)
+        for overrides in ({}, changes):
+            options = [option for name, value in overrides.items() for option in ("--set", f"{name}={value}")]
+            wanted = self.run_json(BIN / "unlatch", "run", path, "--outputs", "sensor.*@400", *options)
+            with unlatch.load(path, overrides) as sim:
+                sim.run(until=1)
+                state = sim.save()
+                sim.run(until=2)
+                self.assertEqual(sim.hash, wanted["hash"])
+                table = wanted["outputs"][0]
+                self.assertEqual([sim.sensors["alpha"][0], sim.sensors["load"][0]], table["rows"][-1])
+                sim.restore(state)
+                sim.channels["gain"] = 0.5
+                sim.run(until=2)
+                self.assertNotEqual(sim.hash, wanted["hash"])
+        with unlatch.load(path, {"channels.gain.initial": 0.5}) as half, unlatch.load(path, {"tables.pitching.scale": 0.5}) as scaled:
+            half.run(until=2)
+            scaled.run(until=2)
+            self.assertTrue(np.array_equal(half.bodies["dart"].position, scaled.bodies["dart"].position))
 
     def test_exceptions_have_file_line_and_key(self):
         path = self.folder / "wrong.yaml"

@@ -30,6 +30,32 @@ def start(*arguments, stderr=subprocess.DEVNULL):
     return subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL, stderr=stderr, text=True)
 
 
+# A dart in the air: tables, expressions, quantities of flight, a channel that scales a table.
+FLIGHT = """unlatch: 1
+name: dart
+step: {dt: 0.005, until: 2}
+constants: {fineness: 1.5}
+environment: {planet: wgs84, origin: start, atmosphere: us1976, wind: {altitude: [0, 60 km], east: [5 m/s, 40 m/s]}}
+start: {body: dart, latitude: 46 deg, altitude: 30 km, velocity: {speed: 1 km/s, flight_path_angle: 10 deg}, attitude: {pitch: 14 deg}}
+bodies:
+  dart: {mass: 300, inertia: [40, 300, 300]}
+channels:
+  gain: {initial: 1, range: [0, 2]}
+tables:
+  pitching: {axes: {alpha: {of: alpha, at: [-60 deg, -20 deg, 0, 20 deg, 60 deg], unit: rad}}, values: [0.9, 0.3, 0, -0.3, -0.9], interpolation: smooth,
+             scale: 1.0, offset: 0.0, scale_channel: gain}
+quantities:
+  alpha: {angle_of_attack: dart}
+  mach: {mach: dart}
+  load: {expression: "fineness * sin(2 * alpha) * mach"}
+elements:
+  air: {type: aerodynamics, body: dart, area: 1 m2, length: 2 m, drag: 0.3, cz: {expression: -load}, cm: [{expression: pitching}, 0.001], damping: {cm: [0, -0.5, 0]}}
+sensors:
+  alpha: {type: quantity, quantity: alpha}
+  load: {type: quantity, quantity: load}
+"""
+
+
 class ProcessTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="unlatch_tools_")
