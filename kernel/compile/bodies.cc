@@ -74,15 +74,15 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
 
 // Finds, in the tree, the marker by which each flexible body is held, and the markers that hold nothing. Computes the
 // initial motion of the markers.
-void place_flexible(PlanDraft& plan) {
+void place_flexible(std::span<const TreeNode> nodes, PlanDraft& plan) {
   std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
   for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
-  for (const TreeNode& node : plan.nodes) {
+  for (const TreeNode& node : nodes) {
     const std::int32_t marker = marker_of[at(node.body)];
     if (marker != kNone) plan.markers[at(marker)].bare = node.leaf;
     const PlanBody& body = plan.bodies[at(node.body)];
     if (body.flexible != kNone && marker == kNone && node.parent != kNone)
-      plan.flexible[at(body.flexible)].inboard = marker_of[at(plan.nodes[at(node.parent)].body)];
+      plan.flexible[at(body.flexible)].inboard = marker_of[at(nodes[at(node.parent)].body)];
   }
   for (const PlanMarker& marker : plan.markers) {
     const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
@@ -108,14 +108,14 @@ PlanBody compile_body(const Body& body, PlanDraft& plan) {
 }
 
 // Bodies whose block is not diag(mass, inertia) are no leaves for the solver, even if nothing is outboard of them.
-void mark_blocks(const Model& model, PlanDraft& plan) {
-  for (TreeNode& node : plan.nodes)
+void mark_blocks(const Model& model, std::span<TreeNode> nodes) {
+  for (TreeNode& node : nodes)
     if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
 }
 
 }  // namespace
 
-void compile_bodies(const Model& model, PlanDraft& plan) {
+void compile_bodies(const Model& model, std::span<TreeNode> nodes, PlanDraft& plan) {
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
   plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses come before modal coordinates and contacts
   std::vector<std::vector<int>> markers(model.bodies.size());
@@ -124,8 +124,8 @@ void compile_bodies(const Model& model, PlanDraft& plan) {
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
     if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
   plan.rigid = plan.flexible.empty() && plan.varying.empty();
-  place_flexible(plan);
-  mark_blocks(model, plan);
+  place_flexible(nodes, plan);
+  mark_blocks(model, nodes);
 }
 
 }  // namespace unlatch

@@ -1,12 +1,15 @@
 // Bodies of a model for its plan: with a law of their mass, flexible ones, markers.
 #pragma once
 
+#include <span>
+
 #include "kernel/plan/plan_data.h"
 #include "unlatch/model.h"
 
 namespace unlatch {
 
-// Fills PlanData::bodies and what bends or burns of them; needs the tree.
-void compile_bodies(const Model& model, PlanDraft& plan);
+// Fills PlanData::bodies and what bends or burns of them. `nodes`: the tree's; those of bodies that bend or burn cease
+// to be leaves.
+void compile_bodies(const Model& model, std::span<TreeNode> nodes, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -45,7 +45,8 @@ void link_quantities(PlanDraft& plan, ElementCompiler& compiler) {
 }
 
 // Places of the multipliers that guards read.
-void place_multipliers(PlanDraft& plan) {
+void place_multipliers(const LaidOutDraft& draft) {
+  PlanDraft& plan = draft.plan;
   for (PlanCondition& c : plan.conditions) {
     if (c.kind != Condition::Kind::kReaction) continue;
     const NumberColumn multipliers = plan.multipliers[at(c.subject)];
@@ -174,7 +175,7 @@ std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
 
 // Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a comment says so.
 void compile_parts(const Model& model, PlanDraft& plan) {
-  compile_bodies(model, plan);
+  compile_bodies(model, plan.nodes, plan);
   compile_quantities(model, plan);  // before conditions and sensors add theirs
   compile_events(model, plan);
   compile_impulses(model, plan);
@@ -203,15 +204,13 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   for (const Channel& channel : model.channels) plan.initial_commands.push_back(channel.initial);
 }
 
-// Third phase, after all parts: places in memory, and constants there.
+// Third phase: places in memory, and what lies there.
 void compile_memory(const Model& model, PlanDraft& plan) {
-  // Renumbers the nodes: before everything that keeps a node or a place.
-  lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
-  fill_constants(model, plan);
-  compile_loops(model, plan);
-  compile_clusters(plan);
-  compile_loop_paths(model, plan);  // after compile_loops(): it leads through loop nodes
-  place_multipliers(plan);
+  const LaidOutDraft draft = lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
+  fill_constants(model, draft);
+  compile_loop_paths(model, compile_loop_nodes(model, draft), plan);
+  compile_clusters(draft);
+  place_multipliers(draft);
 }
 
 PlanResult compile_placed(const Model& model, const PlanOptions& options) {

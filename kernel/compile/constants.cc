@@ -53,7 +53,8 @@ void fill_group(const Model& model, const Group& group, PlanDraft& plan) {
 
 }  // namespace
 
-void fill_constants(const Model& model, PlanDraft& plan) {
+void fill_constants(const Model& model, const LaidOutDraft& draft) {
+  PlanDraft& plan = draft.plan;
   fill_bodies(model, plan);
   plan.solver_constants.assign(kNumbers<SolverConstants> * plan.lane_nodes.size(), 0.0);
   for (const Group& group : plan.groups) fill_group(model, group, plan);

@@ -1,11 +1,10 @@
 // Constants of the blocks: BodyConstants, JointConstants, RotationConstants and SolverConstants (blocks.h).
 #pragma once
 
-#include "kernel/plan/plan_data.h"
+#include "kernel/tree/groups.h"
 
 namespace unlatch {
 
-// Needs the layout of the groups.
-void fill_constants(const Model& model, PlanDraft& plan);
+void fill_constants(const Model& model, const LaidOutDraft& draft);
 
 }  // namespace unlatch

@@ -233,8 +233,9 @@ class Layout {
 
 }  // namespace
 
-void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanDraft& plan) {
+LaidOutDraft lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanDraft& plan) {
   Layout(model, grouped, plan).compile(grouped.groups);
+  return LaidOutDraft(plan);
 }
 
 }  // namespace unlatch

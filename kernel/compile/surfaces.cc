@@ -45,8 +45,8 @@ void compile_surfaces(const Model& model, PlanDraft& plan) {
   for (const Surface& set : model.surfaces) {
     const geometry::ShapeGroup group = geometry::build_group(set.name, set.shapes);
     plan.shapes.push_back({set.body, static_cast<std::int32_t>(plan.shape_parts.size()),
-                           static_cast<std::int32_t>(group.shapes.size()), group});
-    for (const geometry::CompiledShape& shape : group.shapes) append_shape(shape, plan);
+                           static_cast<std::int32_t>(group.parts->size()), group});
+    for (const geometry::CompiledShape& shape : *group.parts) append_shape(shape, plan);
     add_mobility(model, plan.shapes.back());
   }
 }

@@ -261,8 +261,7 @@ ModelErrors validate_placed(const Model& model) {
   validate_impulses(model, errors);
   validate_attachments(model, errors);
   validate_quantities(model, errors);
-  validate_tables(model, errors);
-  if (errors.empty()) validate_laws(model, errors);  // the rest of the model is what they read
+  validate_laws(model, errors);
   validate_sensors(model, errors);
   validate_surfaces(model, errors);
   validate_events(model, errors);

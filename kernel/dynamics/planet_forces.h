@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// Needs the kinematics.
+// Adds them to the bodies' forces.
 void add_planet_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
 // Power of the gradient's torques, W.

@@ -15,7 +15,7 @@ class ElementCompiler {
   ElementCompiler(const Model& own_model, PlanDraft& own_plan);
 
   const Model& model;  // valid, with its markers placed
-  PlanDraft& plan;     // bodies, joints, modes and implicit springs are compiled
+  PlanDraft& plan;     // bodies with their auxiliary states, joints, modes, surfaces, implicit springs are compiled
 
   // Number of the element that is being compiled, in the one numbering of all elements.
   [[nodiscard]] std::int32_t get_element() const { return static_cast<std::int32_t>(plan.element_scales.size()) - 1; }

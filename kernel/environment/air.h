@@ -12,8 +12,8 @@
 
 #include <span>
 
-#include "unlatch/environment.h"
 #include "unlatch/math.h"
+#include "unlatch/model/environment.h"
 
 namespace unlatch {
 

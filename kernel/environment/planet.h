@@ -15,8 +15,8 @@
 
 #include <cmath>
 
-#include "unlatch/environment.h"
 #include "unlatch/math.h"
+#include "unlatch/model/environment.h"
 
 namespace unlatch {
 

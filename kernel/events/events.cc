@@ -143,7 +143,7 @@ bool strike(Run& run, bool struck, Balance& allowed) {
     strikes = calc_impulses(plan, run.inputs, run.search().acting, ev);
     set_impulses(plan, run.inputs, run.search().acting, ev);
   }
-  const Source source = struck ? Source::kForces : Source::kNothing;
+  const Source source = struck ? Source::kBodyForces : Source::kNothing;
   if (run.node = apply_impulse(plan, source, run.state(), ev); run.node != kNone) return false;
   allowed = calc_allowed_change(plan, run.state(), ev);
   update_velocities(plan, ev);  // w_W of markers; other bodies have theirs

@@ -41,7 +41,6 @@ void set_impulses(const PlanData& plan, const Inputs& inputs, std::span<const st
                   Evaluation& ev) noexcept {
   double* blocks = ev.blocks.data();
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
-  if (!plan.rigid) clear_modal_forces(plan, ev);
   for_each(plan, acting, [&](const PlanImpulse& own) {
     const Turned t = turn(own, inputs, get_body_frame(ev, own.body));
     add(blocks, ev.places[at(own.body)], &SharedLane::force, {t.linear, cross(t.arm, t.linear) + t.angular});

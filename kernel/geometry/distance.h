@@ -1,8 +1,8 @@
 // Signed distance of two convex cores with radii, and of a thin wall and a convex core.
 #pragma once
 
+#include "kernel/geometry/compiled_shape.h"
 #include "kernel/geometry/core.h"
-#include "unlatch/geometry.h"
 
 namespace unlatch::geometry {
 

@@ -1,8 +1,6 @@
 // Distances of unions, and bounds by which pairs are skipped.
 #include "kernel/geometry/groups.h"
 
-#include "kernel/geometry/bounds.h"
-
 namespace unlatch::geometry {
 namespace {
 
@@ -48,10 +46,11 @@ double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const Shap
 
 GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,
                             const Placement& at_b) noexcept {
-  const auto get_shape = [](const ShapeGroup& group) {
-    return [&group](std::size_t i) { return ShapeView(group.shapes[i]); };
+  const auto get_shape = [](std::span<const CompiledShape> parts) {
+    return [parts](std::size_t i) { return ShapeView(parts[i]); };
   };
-  return calc_least(a.shapes.size(), get_shape(a), at_a, b.shapes.size(), get_shape(b), at_b);
+  const std::span<const CompiledShape> parts_a = get_parts(a), parts_b = get_parts(b);
+  return calc_least(parts_a.size(), get_shape(parts_a), at_a, parts_b.size(), get_shape(parts_b), at_b);
 }
 
 double calc_lower_bound(const GroupNumbers& a, const Placement& at_a, const GroupNumbers& b,

@@ -1,11 +1,11 @@
-// The least distance of two unions of shapes.
+// The least distance of two unions of shapes, and bounds by which pairs are skipped.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
-#include "unlatch/geometry.h"
+#include "kernel/geometry/compiled_shape.h"
 
 namespace unlatch::geometry {
 
@@ -17,6 +17,11 @@ inline double calc_bound(const Vec3& between, double a, double b) {
   return std::isfinite(a) && std::isfinite(b) ? (apart - (a + b)) - kRounding * ((apart + a) + b)
                                               : -std::numeric_limits<double>::infinity();
 }
+
+// m, at most the distance of two shapes, at a small part of its cost: from the bounding sphere of the smaller shape to
+// the box about the other, in the latter's axes. −infinity where one is unbounded, or they may overlap.
+double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
+                        const Placement& at_b) noexcept;
 
 // `get_a(i)`, `get_b(i)`: the ShapeViews of the parts.
 template <class A, class B>

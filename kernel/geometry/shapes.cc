@@ -2,9 +2,9 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/geometry/compiled_shape.h"
 #include "kernel/geometry/core.h"
 #include "kernel/math/number_text.h"
-#include "unlatch/geometry.h"
 
 namespace unlatch::geometry {
 namespace {
@@ -235,10 +235,12 @@ CompiledShape compile_shape(const Shape& shape) {
 ShapeGroup build_group(std::string name, std::span<const Shape> shapes) {
   ShapeGroup group;
   group.name = std::move(name);
-  for (const Shape& shape : shapes) group.shapes.push_back(compile_shape(shape));
+  std::vector<CompiledShape> parts;
+  for (const Shape& shape : shapes) parts.push_back(compile_shape(shape));
+  group.parts = std::make_shared<const std::vector<CompiledShape>>(std::move(parts));
   // About the middle of the parts' bounding boxes.
   Vec3 low{kInfinite, kInfinite, kInfinite}, high = -low;
-  for (const CompiledShape& s : group.shapes) {
+  for (const CompiledShape& s : *group.parts) {
     if (!std::isfinite(s.bound)) {
       group.bound = kInfinite;
       return group;
@@ -247,9 +249,9 @@ ShapeGroup build_group(std::string name, std::span<const Shape> shapes) {
     low = {std::fmin(low.x, l.x), std::fmin(low.y, l.y), std::fmin(low.z, l.z)};
     high = {std::fmax(high.x, h.x), std::fmax(high.y, h.y), std::fmax(high.z, h.z)};
   }
-  if (group.shapes.empty()) return group;
+  if (group.parts->empty()) return group;
   group.centre = 0.5 * (low + high);
-  for (const CompiledShape& s : group.shapes)
+  for (const CompiledShape& s : *group.parts)
     group.bound = std::fmax(group.bound, norm(s.p_BS - group.centre) + s.bound);
   return group;
 }

@@ -4,8 +4,8 @@
 // beyond the plane of its edges. wall.cc has the use of both.
 #pragma once
 
+#include "kernel/geometry/compiled_shape.h"
 #include "kernel/geometry/core.h"
-#include "unlatch/geometry.h"
 
 namespace unlatch::geometry {
 

@@ -33,7 +33,7 @@ void update_joint_velocities(const PlanData& plan, const State& state, Evaluatio
   if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
 }
 
-// After a solve that computes multipliers.
+// Gives redundant rows their part of the latest solution's multipliers.
 void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) {
   if (ev.loop_redundant == 0) return;
   if (plan.closures.empty())
@@ -42,45 +42,39 @@ void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& 
     get_kernels(plan).split_cluster_rows(plan, state, ev);
 }
 
-// Before a solve: sets friction to zero. True if solve_friction() is to follow.
-bool begin_friction(const Instant& now, Evaluation& ev) {
-  if (now.plan.frictions.empty()) return false;
-  clear_friction(ev);
-  return has_friction(now);
+// Out of line: most systems have no laws.
+[[gnu::noinline]] void update_loads_by_laws(const Instant& now, Evaluation& ev) {
+  update_law_loads(now, update_driving_laws(now, ev), ev.load_sizes);
 }
 
-// After a solve: friction by its reactions and another solve, several times.
-void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
+// Forces at the present kinematics, joint frames, coordinates and loads, and the accelerations that `solve(sweep)`
+// finds for them. Where a joint has friction, this is repeated with the friction of the latest reactions.
+template <class Solve>
+int solve_forces(const Instant& now, Sweep sweep, Evaluation& ev, const Solve& solve) {
   const PlanData& plan = now.plan;
-  for (int i = 0; i < kFrictionSweeps; ++i) {
+  if (!plan.laws.empty()) update_loads_by_laws(now, ev);
+  const bool friction = !plan.frictions.empty() && has_friction(now);
+  if (!plan.frictions.empty()) clear_friction(ev);
+  update_forces(now, ev);
+  sweep.multipliers = sweep.multipliers || friction;
+  if (const int node = solve(sweep); node != kNone) return node;
+  if (sweep.multipliers) split_redundant_rows(plan, now.state, ev);
+  for (int i = 0; friction && i < kFrictionSweeps; ++i) {
     update_friction(now, ev);
     update_forces(now, ev);
     get_kernels(plan).solve(plan, ev, sweep);
     split_redundant_rows(plan, now.state, ev);
   }
-}
-
-// Laws that forces read, and the loads that they size. Out of line: most systems have none.
-[[gnu::noinline]] void update_driving_laws(const Instant& now, Evaluation& ev) {
-  update_laws(now, LawSet::kDriving, ev);
-  update_law_loads(now, ev);
+  if (!plan.rigid) update_modal_rates(plan, ev);
+  return kNone;
 }
 
 // Accelerations at the present kinematics, joint frames and loads.
 int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
-  const PlanData& plan = now.plan;
-  update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
-  if (!plan.laws.empty()) update_driving_laws(now, ev);
-  const bool friction = begin_friction(now, ev);
-  update_forces(now, ev);
-  Sweep own = sweep;
-  own.multipliers = sweep.multipliers || friction;
-  const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, own, independent_rows);
-  if (node != kNone) return node;
-  if (own.multipliers) split_redundant_rows(plan, now.state, ev);
-  if (friction) solve_friction(now, own, ev);
-  if (!plan.rigid) update_modal_rates(plan, ev);
-  return kNone;
+  update_coordinates(now.plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
+  return solve_forces(now, sweep, ev, [&](const Sweep& own) {
+    return get_kernels(now.plan).factor_and_solve(now.plan, now.state, ev, own, independent_rows);
+  });
 }
 
 // Stages at one instant share the sizes of loads.
@@ -153,14 +147,11 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
 // Only forces have changed: the factor is used again.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
-  if (!now.plan.laws.empty()) update_driving_laws(now, ev);
-  const bool friction = begin_friction(now, ev);
-  update_forces(now, ev);
-  get_kernels(now.plan).solve(now.plan, ev, {});
-  split_redundant_rows(now.plan, now.state, ev);
-  if (friction) solve_friction(now, {}, ev);
-  if (!now.plan.rigid) update_modal_rates(now.plan, ev);
-  if (!now.plan.laws.empty()) update_laws(now, LawSet::kOthers, ev);
+  (void)solve_forces(now, {}, ev, [&](const Sweep& own) {
+    get_kernels(now.plan).solve(now.plan, ev, own);
+    return kNone;
+  });
+  if (!now.plan.laws.empty()) update_other_laws(now, ev);
   return kNone;
 }
 
@@ -218,7 +209,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
       update_joints(plan, now.state, RowTarget::kAcceleration, ev);
   }
   const int node = solve_dynamics(now, {}, kAllRows, ev);
-  if (!plan.laws.empty() && node == kNone) update_laws(now, LawSet::kOthers, ev);
+  if (!plan.laws.empty() && node == kNone) update_other_laws(now, ev);
   return node;
 }
 

@@ -2,7 +2,6 @@
 
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/math/index.h"
-#include "unlatch/driving_laws.h"
 
 namespace unlatch {
 namespace {

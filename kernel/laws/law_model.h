@@ -8,12 +8,10 @@
 
 namespace unlatch {
 
-void validate_tables(const Model& model, ModelErrors& errors);
-// Needs valid tables, quantities and elements: their mistakes are reported before.
+// Adds mistakes of tables, and those of laws where nothing else is wrong: laws read the rest of the model.
 void validate_laws(const Model& model, ModelErrors& errors);
 
-// Appends PlanData::laws, and finds the coordinates that laws read which forces read. Needs the elements and the
-// quantities of the plan.
+// Appends PlanData::laws, and finds the coordinates that laws read which forces read.
 void compile_laws(const Model& model, ElementCompiler& compiler);
 
 }  // namespace unlatch

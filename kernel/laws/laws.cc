@@ -38,10 +38,10 @@ double calc_tan(double x) {
   return sine / cosine;
 }
 
-double look_up(const Instant& now, const Evaluation& ev, std::int32_t number, const double* coordinates) {
+double look_up(const Instant& now, std::span<TableExit> exits, std::int32_t number, const double* coordinates) {
   const PlanLaws& plan = now.plan.laws;
   const PlanTable& table = plan.tables[at(number)];
-  return rescale(table, now.inputs, calc_table(plan, table, coordinates, ev.table_exits[at(number)]));
+  return rescale(table, now.inputs, calc_table(plan, table, coordinates, exits[at(number)]));
 }
 
 // A step of one argument.
@@ -98,7 +98,8 @@ double apply(const PlanLawStep& step, double a, double b) {
 
 }  // namespace
 
-double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
+double calc_law(const Instant& now, std::span<const double> operands, std::span<const double> laws,
+                std::span<TableExit> exits, int law) noexcept {
   using Kind = LawStep::Kind;
   const PlanLaws& plan = now.plan.laws;
   const PlanLaw& own = plan.list[at(law)];
@@ -109,14 +110,14 @@ double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
         *top++ = step.value;
         break;
       case Kind::kQuantity:
-        *top++ = step.of_law ? ev.laws[at(step.subject)] : ev.law_operands[at(step.subject)];
+        *top++ = step.of_law ? laws[at(step.subject)] : operands[at(step.subject)];
         break;
       case Kind::kCommand:
         *top++ = now.inputs.commands[at(step.subject)];
         break;
       case Kind::kTable:
         top -= plan.tables[at(step.subject)].axis_count;
-        *top = look_up(now, ev, step.subject, top);
+        *top = look_up(now, exits, step.subject, top);
         ++top;
         break;
       case Kind::kAdd:
@@ -142,17 +143,34 @@ double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
   return rescale(own, now.inputs, stack[0]);
 }
 
-void update_laws(const Instant& now, LawSet set, Evaluation& ev) noexcept {
+namespace {
+
+struct Range {
+  std::size_t from, to;
+};
+
+// Operands, then laws: from and to their places in PlanLaws::operands and PlanLaws::order.
+void update_range(const Instant& now, Range operands, Range laws, Evaluation& ev) {
   const PlanLaws& plan = now.plan.laws;
-  const bool driving = set == LawSet::kDriving;
-  const std::size_t first_laws = at(now.plan.law_numbers.driving),
-                    first_operands = at(now.plan.law_numbers.driving_operands);
-  if (driving) std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
-  const std::size_t operands = plan.operands.size(), laws = plan.order.size();
-  for (std::size_t i = driving ? 0 : first_operands; i < (driving ? first_operands : operands); ++i)
+  for (std::size_t i = operands.from; i < operands.to; ++i)
     ev.law_operands[i] = calc_scalar(now, ev, now.plan.quantities[at(plan.operands[i])]);
-  for (std::size_t i = driving ? 0 : first_laws; i < (driving ? first_laws : laws); ++i)
-    ev.laws[at(plan.order[i])] = calc_law(now, ev, plan.order[i]);
+  for (std::size_t i = laws.from; i < laws.to; ++i)
+    ev.laws[at(plan.order[i])] = calc_law(now, ev.law_operands, ev.laws, ev.table_exits, plan.order[i]);
+}
+
+}  // namespace
+
+std::span<const double> update_driving_laws(const Instant& now, Evaluation& ev) noexcept {
+  std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
+  const PlanLawNumbers& numbers = now.plan.law_numbers;
+  update_range(now, {0, at(numbers.driving_operands)}, {0, at(numbers.driving)}, ev);
+  return ev.laws;
+}
+
+void update_other_laws(const Instant& now, Evaluation& ev) noexcept {
+  const PlanLawNumbers& numbers = now.plan.law_numbers;
+  const PlanLaws& plan = now.plan.laws;
+  update_range(now, {at(numbers.driving_operands), plan.operands.size()}, {at(numbers.driving), plan.order.size()}, ev);
 }
 
 }  // namespace unlatch

@@ -4,20 +4,21 @@
 // Cost: 2 to 5 ns a step of an expression, a table as in tables.h. No allocation, no loop that a model does not bound.
 #pragma once
 
+#include <span>
+
 #include "kernel/elements/instant.h"
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-enum class LawSet {
-  kDriving,  // that forces read; needs kinematics, frames and coordinates of this stage
-  kOthers,   // needs the whole evaluation of this instant
-};
+// Laws that forces read, with the operands that they read: from the motion and the coordinates of the stage. Clears
+// ev.table_exits. Returns ev.laws.
+std::span<const double> update_driving_laws(const Instant& now, Evaluation& ev) noexcept;
+// All other laws and operands: from the accelerations and forces of the instant as well.
+void update_other_laws(const Instant& now, Evaluation& ev) noexcept;
 
-// ev.laws of a set, with the operands that it reads. kDriving: clears ev.table_exits first.
-void update_laws(const Instant& now, LawSet set, Evaluation& ev) noexcept;
-
-// Value of one law. The operands and laws that it reads must be there: update_laws().
-double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept;
+// Value of one law. `operands`: as PlanLaws::operands; `laws`: those that it reads; `exits`: per table.
+double calc_law(const Instant& now, std::span<const double> operands, std::span<const double> laws,
+                std::span<TableExit> exits, int law) noexcept;
 
 }  // namespace unlatch

@@ -1,4 +1,4 @@
-// Tables: values over one to six axes, between whose knots they are interpolated (Table in unlatch/law.h).
+// Tables: values over one to six axes, between whose knots they are interpolated (Table in unlatch/model/law.h).
 //
 // Cost: one bucket per axis finds the cell, whatever the number of knots; where knots lie unevenly, so that a bucket
 // holds several, these are bisected. Then 2ⁿ values of a linear table, up to 4ⁿ coefficients of a smooth one.

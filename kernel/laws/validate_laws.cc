@@ -123,6 +123,18 @@ void check_readable(const Model& model, const LawGraph& graph, ModelErrors& erro
   }
 }
 
+void validate_tables(const Model& model, ModelErrors& errors) {
+  for (const Table& table : model.tables) {
+    const Check check{model, quoted("table", table.name), errors};
+    if (table.axes.empty() || table.axes.size() > kMostTableAxes)
+      check.report("the number of its axes is " + std::to_string(table.axes.size()),
+                   "1 to " + std::to_string(kMostTableAxes), "axes");
+    else
+      check_values(check, table);
+    check_scaling(check, table);
+  }
+}
+
 }  // namespace
 
 int get_law_arity(LawStep::Kind kind) {
@@ -148,26 +160,15 @@ int get_law_arity(LawStep::Kind kind) {
   }
 }
 
-void validate_tables(const Model& model, ModelErrors& errors) {
-  for (const Table& table : model.tables) {
-    const Check check{model, quoted("table", table.name), errors};
-    if (table.axes.empty() || table.axes.size() > kMostTableAxes)
-      check.report("the number of its axes is " + std::to_string(table.axes.size()),
-                   "1 to " + std::to_string(kMostTableAxes), "axes");
-    else
-      check_values(check, table);
-    check_scaling(check, table);
-  }
-}
-
 void validate_laws(const Model& model, ModelErrors& errors) {
-  const std::size_t before = errors.size();
+  validate_tables(model, errors);
+  if (!errors.empty()) return;
   for (const Law& law : model.laws) {
     const Check check{model, quoted("law", law.name), errors};
     check_stack(check, law);
     check_scaling(check, law);
   }
-  if (errors.size() != before) return;  // indices do not hold
+  if (!errors.empty()) return;  // indices do not hold
   const LawGraph graph = build_law_graph(model);
   for (const int law : graph.circle)
     errors.push_back({quoted("law", model.laws[static_cast<std::size_t>(law)].name),

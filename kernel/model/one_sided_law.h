@@ -1,5 +1,5 @@
-// The law of a one-sided force, see OneSided in unlatch/model.h: force over travel, the energy that it stores, and what
-// resists the motion. δ is the depth, u = stroke − δ the travel.
+// The law of a one-sided force, see OneSided in unlatch/model/elements.h: force over travel, the energy that it stores,
+// and what resists the motion. δ is the depth, u = stroke − δ the travel.
 #pragma once
 
 #include <algorithm>

@@ -68,7 +68,10 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.loop_rows, dense ? loop_rows : 0);
   arena.take(ev.loop_ranges, !dense || plan.loops.empty() ? 0 : plan.loops.size() + 1);
   arena.take(ev.loop_matrix, dense ? loop_rows * columns : 0);
-  arena.take(ev.loop_loads, dense ? (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns : 0);
+  arena.take(ev.loop_loads, dense ? static_cast<std::size_t>(plan.loop_load_rows) * columns : 0);
+  arena.take(ev.loop_replies, dense ? kLoopReplies * columns : 0);
+  arena.take(ev.loop_column, dense ? columns : 0);
+  arena.take(ev.loop_forces, !dense || plan.loops.empty() ? 0 : plan.bodies.size());
   arena.take(ev.closures, plan.closures.size());
   for (std::span<double>* matrix : {&ev.cluster_matrix, &ev.split_matrix})
     arena.take(*matrix, static_cast<std::size_t>(plan.cluster_blocks) * kBlockNumbers);

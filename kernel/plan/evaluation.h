@@ -132,7 +132,7 @@ struct Evaluation {
   //   AppliedBlock                           update_loads()
   //   masks, carried axes, offset, crossed   load_modes()
   //   JointBlock; axes, arms, offset, bias   update_joints()
-  //   force                                  update_forces(); loops add their reactions
+  //   force                                  update_forces()
   //   A, wrench, factors, U, beta            backward pass of the solver (tree_sweeps.h)
   //   acceleration, multipliers              its forward pass
   //   pivot of an implicit spring            begin_compliance()
@@ -162,7 +162,7 @@ struct Evaluation {
   std::span<double> speeds;                            // their rates
   std::span<double> rotation_sines, rotation_cosines;  // its scratch, per rotation
 
-  // computed by update_laws()
+  // computed by update_driving_laws() and update_other_laws()
   std::span<double> laws;            // per law
   std::span<double> law_operands;    // as PlanLaws::operands
   std::span<TableExit> table_exits;  // per table
@@ -188,10 +188,14 @@ struct Evaluation {
   std::int32_t loop_count = 0;          // rows that are active
   // computed by update_loop_matrix() and factor_loop_matrix()
   std::span<double> loop_matrix;    // Λ, then its factor: lower triangle, PlanData::loop_columns a row
-  std::span<double> loop_loads;     // wrenches on their way to the root, and scratch
+  std::span<double> loop_loads;     // wrenches on their way to the root
+  std::span<double> loop_replies;   // of the pivot that is eliminated: what each wrench moves there
+  std::span<double> loop_column;    // of the pivot of Λ that is eliminated
   std::int32_t loop_redundant = 0;  // of the active rows, those that follow from the others
   // computed by solve_loop_rows()
   std::span<double> loop_solution;  // k
+  // computed by LoopReactions
+  std::span<Spatial> loop_forces;  // per body: its SharedBlock::force without the reactions
   // computed by split_redundant_rows()
   SplitScratch split;
   std::span<double> split_matrix, split_columns;  // where loops are eliminated where they close

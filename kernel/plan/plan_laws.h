@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kernel/plan/list_kinds.h"
-#include "unlatch/law.h"
+#include "unlatch/model/law.h"
 
 namespace unlatch {
 
@@ -52,7 +52,7 @@ struct PlanLawNumbers {
   bool strict = false;                             // some table ends the run where it is left
 };
 
-// In PlanLists.
+// In PlanElementLists.
 template <template <class> class List>
 struct PlanLawLists {
   List<PlanLaw> list;  // the model's
@@ -67,6 +67,20 @@ struct PlanLawLists {
   List<std::int32_t> loads;  // that a law sizes
 
   bool empty() const { return list.empty(); }
+
+  // Calls use(list…) with each list: that of one name of all `lists`. A new list goes here as well.
+  template <class Use, class... Lists>
+  static constexpr void for_each(const Use& use, Lists&... lists) {
+    use(lists.list...);
+    use(lists.steps...);
+    use(lists.tables...);
+    use(lists.axes...);
+    use(lists.numbers...);
+    use(lists.buckets...);
+    use(lists.order...);
+    use(lists.operands...);
+    use(lists.loads...);
+  }
 };
 using PlanLaws = PlanLawLists<FixedList>;
 

@@ -42,9 +42,8 @@ constexpr Spatial kNothing{{0, 0, 0}, {0, 0, 0}};
 // The load of the body alone, on its frame; that on its modes is in `free`.
 Spatial begin_load(const Node& node, const Evaluation& ev, const Sweep& sweep) {
   const ModalWork& w = node.work;
-  const bool pushed = sweep.source == Source::kForces;
-  for (std::size_t k = 0; k < w.free.size(); ++k) w.free[k] = pushed ? w.force[k] : 0;
-  return pushed ? read(ev.blocks.data(), node.place, &SharedLane::force) : kNothing;
+  for (std::size_t k = 0; k < w.free.size(); ++k) w.free[k] = sweep.source == Source::kForces ? w.force[k] : 0;
+  return sweep.source != Source::kNothing ? read(ev.blocks.data(), node.place, &SharedLane::force) : kNothing;
 }
 
 // The block of the body alone: A, B, E.
@@ -84,7 +83,7 @@ void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sw
   Spatial load = kNothing;
   if (!marker.bare)
     load = read(blocks, place, &SubtreeLane::wrench);
-  else if (sweep.source == Source::kForces)
+  else if (sweep.source != Source::kNothing)
     load = read(blocks, place, &SharedLane::force);
   if (!marker.bare && (with_block || sweep.biased)) {
     const Matrix6 A = to_matrix(read(blocks, place, &SubtreeLane::A));

@@ -68,7 +68,10 @@ template <class T>
 class LoopPass {
  public:
   LoopPass(const PlanData& plan, Evaluation& ev)
-      : plan_(plan), ev_(ev), stride_(plan.loop_columns), replies_(get_columns(plan.loop_load_rows)) {}
+      : plan_(plan),
+        ev_(ev),
+        stride_(plan.loop_columns),
+        replies_{ev.loop_replies.data(), plan.loop_columns, ev.loop_count} {}
 
   void run() const {
     for (int r = 0; r < ev_.loop_count; ++r)
@@ -258,7 +261,7 @@ class LoopPass {
   const PlanData& plan_;
   Evaluation& ev_;
   std::int32_t stride_;
-  Columns<T> replies_;  // 7 rows of scratch behind the loads
+  Columns<T> replies_;
 };
 
 // Λ of the present rows.
@@ -272,7 +275,7 @@ void update_loop_matrix(const PlanData& plan, Evaluation& ev) {
 template <int kWidest>
 void factor_loop_matrix(const PlanData& plan, Evaluation& ev, int most) {
   const LowerTriangle matrix = get_loop_matrix(plan, ev);
-  double* column = ev.loop_loads.data();  // free by now
+  double* column = ev.loop_column.data();
   begin_pivots(plan, ev);
   int rank = 0;
   for (; rank < ev.loop_count && rank < most; ++rank) {

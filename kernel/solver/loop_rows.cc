@@ -1,6 +1,5 @@
 #include "kernel/solver/loop_rows.h"
 
-#include "kernel/dynamics/flexible.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
@@ -191,20 +190,26 @@ void store_loop_multipliers(Evaluation& ev) noexcept {
   }
 }
 
-void add_loop_forces(const PlanData& plan, Evaluation& ev, Source source) noexcept {
+LoopReactions::LoopReactions(const PlanData& plan, Evaluation& ev, Source source) noexcept : ev_(ev), source_(source) {
   double* blocks = ev.blocks.data();
-  if (source == Source::kNothing) {
-    for (const Place& place : ev.places) write(blocks, place, &SharedBlock<double>::force, {{0, 0, 0}, {0, 0, 0}});
-    clear_modal_forces(plan, ev);
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const LaneOf<SharedLane> lane = get_lane<SharedLane>(blocks, ev.places[b]);
+    ev.loop_forces[b] = lane.read(&SharedLane::force);
+    if (source == Source::kNothing) lane.write(&SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
   }
   const auto push = [&](int body, double size, const Spatial& wrench) {
-    if (body != kGround) add(blocks, ev.places[at(body)], &SharedBlock<double>::force, size * wrench);
+    if (body != kGround) add(blocks, ev.places[at(body)], &SharedLane::force, size * wrench);
   };
   for (int r = 0; r < ev.loop_count; ++r) {
     const LoopRow& row = get_pivot_row(ev, r);
     push(row.follower, ev.loop_solution[at(r)], row.on_follower);
     push(row.base, ev.loop_solution[at(r)], row.on_base);
   }
+}
+
+LoopReactions::~LoopReactions() {
+  for (std::size_t b = 0; b < ev_.loop_forces.size(); ++b)
+    write(ev_.blocks.data(), ev_.places[b], &SharedLane::force, ev_.loop_forces[b]);
 }
 
 }  // namespace unlatch

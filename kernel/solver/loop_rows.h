@@ -84,8 +84,20 @@ void solve_loop_rows(const PlanData& plan, Evaluation& ev, bool biased) noexcept
 void clear_loop_multipliers(const PlanData& plan, Evaluation& ev) noexcept;
 void store_loop_multipliers(Evaluation& ev) noexcept;
 
-// Adds the rows' wrenches to the bodies' forces; with kNothing they are all that pushes. Whatever evaluates forces
-// overwrites them.
-void add_loop_forces(const PlanData& plan, Evaluation& ev, Source source) noexcept;
+// While it lives, the bodies' forces have the rows' reactions as well; with kNothing, these alone. The loads of a sweep
+// are then those of get_source().
+class LoopReactions {
+ public:
+  LoopReactions(const PlanData& plan, Evaluation& ev, Source source) noexcept;
+  ~LoopReactions();
+  LoopReactions(const LoopReactions&) = delete;
+  LoopReactions& operator=(const LoopReactions&) = delete;
+
+  [[nodiscard]] Source get_source() const { return source_ == Source::kForces ? source_ : Source::kBodyForces; }
+
+ private:
+  Evaluation& ev_;
+  Source source_;
+};
 
 }  // namespace unlatch

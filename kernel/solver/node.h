@@ -33,7 +33,7 @@ UNLATCH_INLINE SpatialT<T> get_bias(const V& v, bool biased) {
 
 template <class V, class T = typename V::T>
 UNLATCH_INLINE SpatialT<T> get_own_wrench(const V& v, Source source) {
-  if (source == Source::kForces) return load<T>(v.blocks.shared().force);
+  if (source != Source::kNothing) return load<T>(v.blocks.shared().force);
   const T o(0.0);
   return {{o, o, o}, {o, o, o}};
 }

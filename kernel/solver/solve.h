@@ -22,9 +22,9 @@ template <int kWidest>
   if (!holds) return;
   solve_loop_rows(plan, ev, sweep.biased);
   store_loop_multipliers(ev);
-  add_loop_forces(plan, ev, sweep.source);
+  const LoopReactions reactions(plan, ev, sweep.source);
   Sweep whole = sweep;
-  whole.source = Source::kForces;
+  whole.source = reactions.get_source();
   (void)sweep_back<kWidest, false>(plan, ev, whole);
   sweep_forth<kWidest>(plan, ev, whole);
 }
@@ -71,8 +71,7 @@ UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const 
 
 // Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as
 // independent: stages of a step are slightly off the rows, so that redundant rows contradict each other there; their
-// number, and of loops that are eliminated where they close which they are, is that at the beginning of the step. Adds
-// the loops' reactions to SharedBlock::force: another solve of the same instant needs the forces computed again.
+// number, and of loops that are eliminated where they close which they are, is that at the beginning of the step.
 // Returns kNone, or the node whose pivot vanished.
 template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {

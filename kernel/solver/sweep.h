@@ -7,8 +7,9 @@ namespace unlatch {
 
 // The right-hand side of M a = F + Gᵀ λ.
 enum class Source : std::int32_t {
-  kForces,   // SharedBlock::force
-  kNothing,  // corrections and impulses
+  kForces,      // SharedBlock::force, and forces on modal coordinates
+  kNothing,     // of corrections and impulses
+  kBodyForces,  // SharedBlock::force alone
 };
 
 struct Sweep {

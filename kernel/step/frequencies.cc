@@ -32,7 +32,7 @@ double calc_mobility(const PlanData& plan, const UnitEffort& effort, Evaluation&
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
   if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.on_base);
   write(blocks, ev.places[at(effort.follower)], &SharedLane::force, effort.on_follower);
-  get_kernels(plan).solve(plan, ev, {.biased = false, .multipliers = false});
+  get_kernels(plan).solve(plan, ev, {.source = Source::kBodyForces, .biased = false, .multipliers = false});
   double sum = dot(effort.on_follower, ev.get_acceleration(effort.follower));
   if (effort.base != kGround) sum += dot(effort.on_base, ev.get_acceleration(effort.base));
   return sum > 0 ? sum : 0;
@@ -48,7 +48,6 @@ Evaluation* factor(const PlanData& plan, const State& state, Workspace& workspac
   update_joints(plan, state, RowTarget::kVelocity, ev);
   const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
   if (get_kernels(plan).factor_and_solve(plan, state, ev, nothing, kAllRows) != kNone) return nullptr;
-  clear_modal_forces(plan, ev);
   return &ev;
 }
 

@@ -49,6 +49,17 @@ struct GroupedNodes {
   std::vector<GroupLane> lanes;   // per node
 };
 
+// A draft whose nodes, groups and places do not change any more. Only lay_out_blocks() makes one, so that what keeps a
+// node or a place cannot be compiled before.
+class LaidOutDraft {
+ public:
+  PlanDraft& plan;
+
+ private:
+  friend LaidOutDraft lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanDraft& plan);
+  explicit LaidOutDraft(PlanDraft& own_plan) : plan(own_plan) {}
+};
+
 // Orders the nodes of the tree by groups. `tree`: as compile_topology() returns it; `compliant`: per joint, axes with
 // implicit springs. O(n log n) for sorting.
 GroupedNodes group_nodes(const Model& model, const std::vector<TreeNode>& tree, const std::vector<RowSet>& compliant);

@@ -212,8 +212,8 @@ class Clusters {
 
 }  // namespace
 
-void compile_clusters(PlanDraft& plan) {
-  if (plan.loops.size() >= kFewestLoops) Clusters(plan).compile();
+void compile_clusters(const LaidOutDraft& draft) {
+  if (draft.plan.loops.size() >= kFewestLoops) Clusters(draft.plan).compile();
 }
 
 }  // namespace unlatch

@@ -145,11 +145,13 @@ class LoopOrder {
 
 }  // namespace
 
-void compile_loops(const Model& model, PlanDraft& plan) {
-  if (plan.loops.empty()) return;
+std::span<const LoopNode> compile_loop_nodes(const Model& model, const LaidOutDraft& draft) {
+  PlanDraft& plan = draft.plan;
+  if (plan.loops.empty()) return {};
   plan.loop_rows = count_rows(model, plan);
   plan.loop_columns = (plan.loop_rows + kPadding - 1) / kPadding * kPadding;
   LoopOrder(plan).compile();
+  return plan.loop_nodes;
 }
 
 }  // namespace unlatch

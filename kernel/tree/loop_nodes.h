@@ -2,12 +2,13 @@
 // which order, and where they lie meanwhile.
 #pragma once
 
-#include "kernel/plan/plan_data.h"
-#include "unlatch/model.h"
+#include <span>
+
+#include "kernel/tree/groups.h"
 
 namespace unlatch {
 
-// Needs the blocks. O(n) besides.
-void compile_loops(const Model& model, PlanDraft& plan);
+// Returns PlanData::loop_nodes. O(n).
+std::span<const LoopNode> compile_loop_nodes(const Model& model, const LaidOutDraft& draft);
 
 }  // namespace unlatch

@@ -18,14 +18,15 @@ constexpr double kOnePoint = 1e-9;
 
 class LoopPaths {
  public:
-  LoopPaths(const Model& model, PlanDraft& plan) : model_(model), plan_(plan), mesh_of_(model.joints.size()) {
+  LoopPaths(const Model& model, std::span<const LoopNode> loop_nodes, PlanDraft& plan)
+      : model_(model), plan_(plan), mesh_of_(model.joints.size()) {
     for (std::size_t j = 0; j < mesh_of_.size(); ++j) mesh_of_[j] = static_cast<int>(j);
     ring_of_.assign(model.joints.size(), kNone);
     node_of_.assign(plan.bodies.size(), kNone);
     for (std::size_t k = 0; k < plan.nodes.size(); ++k) node_of_[at(plan.nodes[k].body)] = static_cast<std::int32_t>(k);
     loop_node_of_.assign(plan.nodes.size(), kNone);
-    for (std::size_t i = 0; i < plan.loop_nodes.size(); ++i)
-      loop_node_of_[at(plan.loop_nodes[i].node)] = static_cast<std::int32_t>(i);
+    for (std::size_t i = 0; i < loop_nodes.size(); ++i)
+      loop_node_of_[at(loop_nodes[i].node)] = static_cast<std::int32_t>(i);
   }
 
   void compile() {
@@ -134,8 +135,8 @@ class LoopPaths {
 
 }  // namespace
 
-void compile_loop_paths(const Model& model, PlanDraft& plan) {
-  if (!plan.loops.empty()) LoopPaths(model, plan).compile();
+void compile_loop_paths(const Model& model, std::span<const LoopNode> loop_nodes, PlanDraft& plan) {
+  if (!plan.loops.empty()) LoopPaths(model, loop_nodes, plan).compile();
 }
 
 }  // namespace unlatch

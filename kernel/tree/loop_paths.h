@@ -2,12 +2,14 @@
 // stiffnesses redundant reactions are shared (kernel/solver/redundant_rows.h).
 #pragma once
 
+#include <span>
+
 #include "kernel/plan/plan_data.h"
 #include "unlatch/model.h"
 
 namespace unlatch {
 
-// Needs compile_loops(). O(loops · depth of the tree).
-void compile_loop_paths(const Model& model, PlanDraft& plan);
+// `loop_nodes`: as compile_loop_nodes() returns them. O(loops · depth of the tree).
+void compile_loop_paths(const Model& model, std::span<const LoopNode> loop_nodes, PlanDraft& plan);
 
 }  // namespace unlatch

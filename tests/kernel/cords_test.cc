@@ -1,7 +1,5 @@
 // Cords wound on drums: their paths and forces against polygons, numerical differentiation, closed forms of the yo-yo
 // and of a mass that winds up on a pole.
-#include "unlatch/cords.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <random>
 
 #include "kernel/dynamics/balance.h"
+#include "kernel/elements/kinds/one_sided/cord_path.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 #include "unlatch/elementary.h"

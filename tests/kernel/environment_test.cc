@@ -1,6 +1,6 @@
 // The environment: places on the planet against GeographicLib where it is installed, the air against the published
 // standard, gravity against the gradient of its potential.
-#include "unlatch/environment.h"
+#include "unlatch/model/environment.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "tests/support/random.h"
-#include "unlatch/environment.h"
 #include "unlatch/math.h"
+#include "unlatch/model/environment.h"
 
 namespace unlatch::test {
 

@@ -90,8 +90,8 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
     for (int i = 0; i < golden.ticks; ++i) {
       for (const std::span<double> numbers :
            {search.guards_low, search.guards_high, search.guards_middle, search.rates_low, search.rates_high,
-            search.tolerances, search.stack, ev.loop_loads, ev.loop_solution, ev.rotation_sines, ev.rotation_cosines,
-            ev.auxiliary.start, ev.auxiliary.first, ev.auxiliary.sum})
+            search.tolerances, search.stack, ev.loop_loads, ev.loop_replies, ev.loop_column, ev.loop_solution,
+            ev.rotation_sines, ev.rotation_cosines, ev.auxiliary.start, ev.auxiliary.first, ev.auxiliary.sum})
         poison(numbers);
       std::memset(search.acting.data(), 0xff, search.acting.size_bytes());
       for (const BodyEight& eight : plan.eights) {

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "tools/common/shape_json.h"
-#include "unlatch/cords.h"
 #include "unlatch/inertia.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::tools {
 namespace {

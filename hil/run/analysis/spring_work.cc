@@ -2,25 +2,10 @@
 
 #include <algorithm>
 
-#include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/model/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
-namespace {
-
-// Line from one end of a one-sided force to the other, and the velocity of its second end relative to the first.
-struct Line {
-  Vec3 apart, rate;
-  Line(const OneSided& force, const BodyState& base, const BodyState& follower) {
-    const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
-    const Vec3 r_base = R_base * to_vec3(force.point_base), r_follower = R_follower * to_vec3(force.point_follower);
-    apart = (follower.p + r_follower) - (base.p + r_base);
-    rate = (follower.v + cross(R_follower * follower.w, r_follower)) - (base.v + cross(R_base * base.w, r_base));
-  }
-};
-
-}  // namespace
 
 std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
   SpringWork work;
@@ -102,32 +87,16 @@ SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState&
 
 SpringWork::Force SpringWork::calc_one_sided(const BodyState& base, const BodyState& follower, double scale,
                                              double bearing) const {
-  double x = 0, rate = 0;
-  Vec3 direction;
-  if (geometry_) {
-    x = geometry_->calc_coordinate(base, follower, one_sided_->axis);
-    rate = geometry_->calc_speed(base, follower, one_sided_->axis);
-    direction = geometry_->calc_axis(base, one_sided_->axis);
-  } else if (drum_) {
-    const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
-    const Vec3 arm = R_follower * to_vec3(one_sided_->point_follower), end = (follower.p + arm) - base.p;
-    const CordPath path = calc_cord_path(*drum_, R_base, end, bearing);
-    x = path.length;
-    direction = path.direction;
-    rate = dot(direction, (follower.v + cross(R_follower * follower.w, arm)) - (base.v + cross(R_base * base.w, end)));
-  } else {
-    const Line line(*one_sided_, base, follower);
-    const Mat3 R = rotation_matrix(base.q);
-    x = norm(line.apart);
-    if (x == 0) return {{0, 0, 0}, 0};
-    direction = one_sided_->guide ? R * to_vec3(*one_sided_->guide) : (1 / x) * line.apart;
-    // Rate d/dt n·apart, n fixed in the base; for the line itself the second part is 0.
-    rate = dot(direction, line.rate - (one_sided_->guide ? cross(R * base.w, line.apart) : Vec3{0, 0, 0}));
-    if (one_sided_->guide) x = dot(direction, line.apart);
+  if (!geometry_) {
+    const OneSidedForce f =
+        calc_one_sided_force(*one_sided_, limit_, drum_ ? &*drum_ : nullptr, bearing, base, follower);
+    return {scale * f.size * f.direction, scale * f.size * f.rate};
   }
+  const double x = geometry_->calc_coordinate(base, follower, one_sided_->axis);
+  const double rate = geometry_->calc_speed(base, follower, one_sided_->axis);
   const double sign = one_sided_->pulls ? -1 : 1;
   const double size = sign * scale * calc_one_sided_force(*one_sided_, sign * (limit_ - x), -sign * rate);
-  return {size * direction, size * rate};
+  return {size * geometry_->calc_axis(base, one_sided_->axis), size * rate};
 }
 
 SpringWork::Sum SpringWork::calc(const MotionWindow& window, const MotionKnot& from, double to) const {

@@ -8,7 +8,7 @@
 
 #include "hil/run/motion/joint_frame.h"
 #include "hil/run/motion/motion_window.h"
-#include "unlatch/cords.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 

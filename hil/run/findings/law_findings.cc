@@ -5,7 +5,7 @@
 #include "hil/run/findings/finding_parts.h"
 #include "hil/run/notices/format.h"
 #include "hil/scenario/model/index.h"
-#include "unlatch/driving_laws.h"
+#include "unlatch/model.h"
 
 namespace unlatch::hil {
 namespace {

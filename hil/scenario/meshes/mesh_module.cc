@@ -11,9 +11,9 @@
 namespace unlatch::hil {
 namespace {
 
-using geometry::CompiledShape;
 using geometry::Distance;
 using geometry::Placement;
+using geometry::ShapeGroup;
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
 // Bytes. FCL's library reads transforms as SSE2 and NEON want them, as Eigen aligns them by default. Here Eigen does
@@ -45,7 +45,7 @@ class FclTree final : public MeshTree {
     for (int i = 0; i < model_.getNumBVs(); ++i) boxes_.push_back(build_box(model_.getBV(i).bv.obb));
   }
 
-  Distance calc_distance(const Placement& at, const CompiledShape& other, const Placement& at_other,
+  Distance calc_distance(const Placement& at, const ShapeGroup& other, const Placement& at_other,
                          double limit) const override {
     Search search{*this, at, other, at_other, {}};
     search.best.distance = limit;
@@ -75,25 +75,25 @@ class FclTree final : public MeshTree {
   struct Search {
     const FclTree& tree;
     const Placement& at;
-    const CompiledShape& other;
+    const ShapeGroup& other;
     const Placement& at_other;
     Distance best;
 
-    // Lower bound of the distance from the shape to the triangles below a node, m.
+    // Lower bound of the distance from the shapes to the triangles below a node, m.
     double calc_bound(int node) const {
-      const CompiledShape& box = tree.boxes_[static_cast<std::size_t>(node)];
-      const Vec3 between = (at.p_WB + at.R_WB * box.p_BS) - (at_other.p_WB + at_other.R_WB * other.p_BS);
+      const ShapeGroup& box = tree.boxes_[static_cast<std::size_t>(node)];
+      const Vec3 between = (at.p_WB + at.R_WB * box.centre) - (at_other.p_WB + at_other.R_WB * other.centre);
       const double margin = kRounding * ((norm(between) + tree.size_) + box.bound);
       const double apart = (norm(between) - (box.bound + other.bound)) - margin;
       if (!std::isnan(apart) && apart > best.distance) return apart;
-      return geometry::calc_distance(box, at, other, at_other).distance - margin;
+      return geometry::calc_distance(box, at, other, at_other).least.distance - margin;
     }
 
     void look_at(int triangle) {
       const fcl::Triangle& corners = tree.model_.tri_indices[triangle];
       geometry::Shape flat{.kind = geometry::ShapeKind::kHull};
       for (int k = 0; k < 3; ++k) flat.points.push_back(to_vec3(tree.model_.vertices[corners[k]]));
-      const Distance d = geometry::calc_distance(geometry::compile_shape(flat), at, other, at_other);
+      const Distance d = geometry::calc_distance(build_group(flat), at, other, at_other).least;
       if (d.distance < best.distance) best = d;
     }
 
@@ -113,14 +113,13 @@ class FclTree final : public MeshTree {
     }
   };
 
-  static CompiledShape build_box(const fcl::OBBd& obb) {
-    CompiledShape box;
-    box.kind = geometry::ShapeKind::kBox;
-    box.p_BS = to_vec3(obb.To);
-    box.R_BS = {to_vec3(obb.axis.col(0)), to_vec3(obb.axis.col(1)), to_vec3(obb.axis.col(2))};
-    box.half_size = to_vec3(obb.extent);
-    box.bound = norm(box.half_size);
-    return box;
+  static ShapeGroup build_group(const geometry::Shape& shape) { return geometry::build_group("", {&shape, 1}); }
+  static ShapeGroup build_box(const fcl::OBBd& obb) {
+    const Eigen::Quaterniond q(obb.axis);
+    return build_group({.kind = geometry::ShapeKind::kBox,
+                        .from = to_vec3(obb.To),
+                        .size = 2 * to_vec3(obb.extent),
+                        .q_BS = {q.w(), q.x(), q.y(), q.z()}});
   }
 
   // Clamps negative distances to 0: triangles have no inside, and their crossing has no depth.
@@ -133,7 +132,7 @@ class FclTree final : public MeshTree {
 
   double size_;  // m, distance of its farthest point from the body's origin
   Model model_;
-  std::vector<CompiledShape> boxes_;  // by FCL's number of the node
+  std::vector<ShapeGroup> boxes_;  // by FCL's number of the node
 };
 
 }  // namespace

@@ -103,7 +103,7 @@ void ClearanceMonitor::add_meshes(const ClearancePair& pair, const std::vector<B
       part.mesh = part.mesh_is_a ? of_a.mesh : of_b.mesh;
       const BodyShape& other = part.mesh_is_a ? of_b : of_a;
       part.other_mesh = other.mesh;
-      if (!other.mesh) part.other = geometry::compile_shape(other.shape);
+      if (!other.mesh) part.other = geometry::build_group(pair.b.name, {&other.shape, 1});
       parts.push_back(std::move(part));
     }
   if (!parts.empty()) clearances_.back().method = DistanceMethod::kMesh;
@@ -151,7 +151,7 @@ double ClearanceMonitor::get_size(std::size_t pair) const {
     for (const auto& mesh : {part.mesh, part.other_mesh})
       if (mesh) size = std::max(size, mesh->get_bound() + norm(mesh->get_centre()));
     if (!part.other_mesh && std::isfinite(part.other.bound))
-      size = std::max(size, part.other.bound + norm(part.other.p_BS));
+      size = std::max(size, part.other.bound + norm(part.other.centre));
   }
   return size;
 }

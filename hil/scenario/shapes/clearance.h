@@ -86,7 +86,7 @@ class ClearanceMonitor {
   // A shape and a mesh, or two meshes.
   struct MeshPart {
     std::shared_ptr<const TriangleMesh> mesh{}, other_mesh{};  // the latter is null for a shape: `other`
-    geometry::CompiledShape other{};
+    geometry::ShapeGroup other{};
     bool mesh_is_a = true;
     int shape_a = 0, shape_b = 0;  // indices in the bodies
   };

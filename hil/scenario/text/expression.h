@@ -11,8 +11,8 @@
 // own. The functions are the kernel's, so that a scenario has the same bits on every machine. The text is bounded: 256
 // bytes, 24 parentheses deep.
 //
-// The expression of a law (unlatch/law.h) may also name what a run knows: quantities, channels, tables. It is compiled
-// to steps, and has 4096 bytes and kMostLawSteps operations at most.
+// The expression of a law (unlatch/model/law.h) may also name what a run knows: quantities, channels, tables. It is
+// compiled to steps, and has 4096 bytes and kMostLawSteps operations at most.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "hil/scenario/text/quantity.h"
-#include "unlatch/law.h"
+#include "unlatch/model/law.h"
 
 namespace unlatch::hil {
 

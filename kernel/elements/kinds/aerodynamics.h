@@ -1,4 +1,5 @@
-// Forces of the air on a body, by coefficients that are sums of numbers and laws; see Aerodynamics in unlatch/model.h.
+// Forces of the air on a body, by coefficients that are sums of numbers and laws; see Aerodynamics in
+// unlatch/model/elements.h.
 //
 // A part that counts times a rate is multiplied by ¼ ρ V S l instead of q S l / (2 V), so that nothing is divided by
 // the speed, and a body at rest in the air has no force.

@@ -1,4 +1,5 @@
-// Coulomb friction in joints, of the size of the reaction across the axis, see JointFriction in unlatch/model.h.
+// Coulomb friction in joints, of the size of the reaction across the axis, see JointFriction in
+// unlatch/model/elements.h.
 //
 // Force and reaction depend on each other: R = R_0 + R_1 F, F = −μ r |R| v / sqrt(v² + v_s²). An evaluation solves the
 // system without friction, which gives R_0, and then kFrictionSweeps times with the friction of the latest R, all by

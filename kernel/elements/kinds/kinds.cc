@@ -7,11 +7,11 @@ namespace {
 
 // Result of `use(kind, item)` for the element with this number.
 template <class Result, class Use>
-Result visit(const Model& model, int element, const Use& use) {
+Result visit(const ElementLists& lists, int element, const Use& use) {
   std::size_t index = static_cast<std::size_t>(element);
   std::optional<Result> found;
   for_each_kind([&](auto kind) {
-    const auto& list = kind.of(model);
+    const auto& list = kind.of(lists);
     if (!found && element >= 0 && index < list.size()) found = use(kind, list[index]);
     index -= list.size();
   });
@@ -21,13 +21,13 @@ Result visit(const Model& model, int element, const Use& use) {
 
 }  // namespace
 
-int Model::element_count() const {
+int ElementLists::element_count() const {
   std::size_t count = 0;
   for_each_kind([&](auto kind) { count += kind.of(*this).size(); });
   return static_cast<int>(count);
 }
 
-const std::string& Model::element_name(int element) const {
+const std::string& ElementLists::element_name(int element) const {
   return *visit<const std::string*>(*this, element, [](auto, const auto& item) { return &item.name; });
 }
 

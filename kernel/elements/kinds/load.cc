@@ -81,11 +81,11 @@ void update_loads(const Instant& now, Evaluation& ev) noexcept {
   }
 }
 
-void update_law_loads(const Instant& now, Evaluation& ev) noexcept {
+void update_law_loads(const Instant& now, std::span<const double> laws, std::span<double> load_sizes) noexcept {
   for (const std::int32_t i : now.plan.laws.loads) {
     const PlanLoad& load = now.plan.loads[at(i)];
-    ev.load_sizes[at(i)] = calc_size(load, now.state.elements[at(load.element)], now.inputs, now.t,
-                                     [&](int, double) { return ev.laws[at(load.law)]; });
+    load_sizes[at(i)] = calc_size(load, now.state.elements[at(load.element)], now.inputs, now.t,
+                                  [&](int, double) { return laws[at(load.law)]; });
   }
 }
 

@@ -16,8 +16,8 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
 
 // ev.load_sizes, and in the blocks the wrenches that loads fixed in a body add up to.
 void update_loads(const Instant& now, Evaluation& ev) noexcept;
-// ev.load_sizes of loads that laws size. Needs ev.laws.
-void update_law_loads(const Instant& now, Evaluation& ev) noexcept;
+// Sizes of loads that laws size. `laws`: the model's; `load_sizes`: Evaluation::load_sizes.
+void update_law_loads(const Instant& now, std::span<const double> laws, std::span<double> load_sizes) noexcept;
 
 struct LoadKind {
   static auto& of(auto& model) { return model.loads; }

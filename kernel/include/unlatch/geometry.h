@@ -5,13 +5,13 @@
 // Definitions and method: kernel/geometry/README.md.
 #pragma once
 
-#include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "unlatch/shapes.h"
+#include "unlatch/model/shapes.h"
 
 namespace unlatch::geometry {
 
@@ -27,43 +27,6 @@ struct ShapeError {
 
 // Mistakes of a shape: numbers that are not finite, no volume, too many points. Empty: the shape can be compiled.
 std::vector<ShapeError> check_shape(const Shape& shape);
-
-// A shape made ready, but for its points: axes, half lengths, bounding sphere.
-struct ShapeNumbers {
-  ShapeKind kind = ShapeKind::kSphere;  // cylinder and cone have become frustums
-  Vec3 p_BS{0, 0, 0};                   // m, centre of its axes in the body
-  Mat3 R_BS = kIdentity3;             // its axes in the body; z along the axis or the normal, x to the middle of a half
-  double half_length = 0;             // m, along z
-  double r0 = 0, r1 = 0;              // m, radius at −z and +z end; of spheres and capsules r0
-  double slope_r = 0, slope_z = 1;    // direction of a frustum's generator in the meridian plane, unit length
-  double generator = 0;               // m, its length
-  Vec3 half_size{0, 0, 0};            // m, of a box
-  bool half = false;                  // of a hollow shape
-  double bound = 0;                   // m, radius of the bounding sphere about p_BS; infinite for a half-space
-  std::int32_t first = 0, count = 0;  // of its points in a plan's list
-};
-
-// A shape made ready.
-struct CompiledShape : ShapeNumbers {
-  std::vector<Vec3> points{};           // m, of a hull, in its axes
-  std::vector<ProfilePoint> profile{};  // of a hollow shape, z from its centre
-};
-
-// A shape made ready, wherever its parts are.
-struct ShapeView {
-  ShapeView(const CompiledShape& shape) : numbers(shape), points(shape.points), profile(shape.profile) {}
-  // `all_numbers`: of the shape; `all_points`, `all_profile`: its own.
-  ShapeView(const ShapeNumbers& all_numbers, std::span<const Vec3> all_points,
-            std::span<const ProfilePoint> all_profile)
-      : numbers(all_numbers), points(all_points), profile(all_profile) {}
-
-  const ShapeNumbers& numbers;            // axes, sizes
-  std::span<const Vec3> points;           // of a hull, else empty
-  std::span<const ProfilePoint> profile;  // of a hollow shape, else empty
-};
-
-// May allocate. The shape must be free of mistakes.
-CompiledShape compile_shape(const Shape& shape);
 
 // Place of a body: its origin and attitude in W.
 struct Placement {
@@ -85,22 +48,21 @@ struct Distance {
 // Two hollow shapes and two half-spaces have no distance here; all other pairs have one.
 bool has_distance(ShapeKind a, ShapeKind b) noexcept;
 
-// Distance of two shapes; no allocation. Infinite for a pair that has none.
-Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b) noexcept;
-
 // Bounding sphere of a union of shapes.
 struct GroupNumbers {
   Vec3 centre{0, 0, 0};  // m, in the body
   double bound = 0;      // m, radius
 };
 
-// A named union of shapes of one body, without mass.
+struct CompiledShape;  // kernel/geometry/compiled_shape.h
+
+// A named union of shapes of one body, without mass, made ready. Copies share its parts.
 struct ShapeGroup : GroupNumbers {
-  std::string name;                   // as scenarios call it
-  std::vector<CompiledShape> shapes;  // all parts
+  std::string name;                                           // as scenarios call it
+  std::shared_ptr<const std::vector<CompiledShape>> parts{};  // all shapes
 };
 
-// May allocate. The shapes must be free of mistakes.
+// May allocate. The shapes must be free of mistakes: check_shape().
 ShapeGroup build_group(std::string name, std::span<const Shape> shapes);
 
 // Result of a pair of groups: the least of all pairs of shapes, the first of equals.

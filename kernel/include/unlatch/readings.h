@@ -142,6 +142,30 @@ OneSidedReading calc_one_sided(const Plan& plan, const Workspace& workspace, int
 double calc_one_sided_force(const OneSided& force, double depth, double depth_rate) noexcept;
 double calc_one_sided_energy(const OneSided& force, double depth) noexcept;
 
+// A drum with the anchor of its cord, axes of the body that carries it.
+struct CordDrum {
+  Vec3 centre;     // on the axis, in the plane of the anchor, from the body's origin, m
+  Mat3 axes;       // x through the anchor, y the way in which the cord runs on from there, z the drum's axis
+  double radius;   // m
+  double bearing;  // of the cord's end about z from the anchor at the start, turns counted, rad
+};
+
+// The drum of a cord that has one, as it is at the model's initial poses. `model`: as place_markers() returns it.
+CordDrum place_drum(const Model& model, const OneSided& cord);
+
+// Direction and size of a one-sided force between two points. World axes.
+struct OneSidedForce {
+  Vec3 direction{0, 0, 0};  // along which its coordinate grows; 0 where the line has no length
+  double rate = 0;          // of the coordinate, m/s
+  double size = 0;          // along `direction` on the follower, N
+};
+
+// The force, while it is engaged, between bodies with these poses and velocities (for the ground: at rest at W), at
+// switch scale 1. `limit`: calc_limit(); `drum`: of a cord that has one, else null; `bearing`: of the cord's end, less
+// than half a turn from the present one, rad.
+OneSidedForce calc_one_sided_force(const OneSided& force, double limit, const CordDrum* drum, double bearing,
+                                   const BodyState& base, const BodyState& follower) noexcept;
+
 // Coordinates at the initial poses of a model whose markers are placed, m or rad: of a joint along or about one of its
 // rows; of a one-sided force, and its limit.
 double calc_start(const Model& model, const Joint& joint, int row);

@@ -43,12 +43,14 @@ Placement draw_placement(Random& random, double reach) {
   return {draw_vector(random, reach), rotation_matrix(normalized(q))};
 }
 
+geometry::ShapeGroup build_group(const Shape& shape) { return geometry::build_group("", {&shape, 1}); }
+
 double calc(const MeshPointer& mesh, const Placement& at, const Shape& shape, const Placement& at_shape) {
-  return mesh->get_tree().calc_distance(at, geometry::compile_shape(shape), at_shape, kInfinite).distance;
+  return mesh->get_tree().calc_distance(at, build_group(shape), at_shape, kInfinite).distance;
 }
 
 double calc(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b) {
-  return geometry::calc_distance(geometry::compile_shape(a), at_a, geometry::compile_shape(b), at_b).distance;
+  return geometry::calc_distance(build_group(a), at_a, build_group(b), at_b).least.distance;
 }
 
 // Lists one shape of each convex kind, some decimetres large, a wall and a plane.
@@ -240,14 +242,13 @@ TEST(MeshDistance, OfAShapeIsTheLeastOfAllTriangles) {
   Random random(kSeed);
   const MeshPointer mesh = build_mesh(build_rough_facets(random, 16));
   for (const Shape& shape : list_shapes()) {
-    const geometry::CompiledShape other = geometry::compile_shape(shape);
+    const geometry::ShapeGroup other = build_group(shape);
     for (int i = 0; i < 25; ++i) {
       const Placement at = draw_placement(random, 1), at_shape = draw_placement(random, 1);
       double expected = kInfinite;
       for (const Triangle& t : place(*mesh, at)) {
         const Shape flat{.kind = Kind::kHull, .points = {t.p[0], t.p[1], t.p[2]}};
-        expected =
-            std::min(expected, geometry::calc_distance(geometry::compile_shape(flat), {}, other, at_shape).distance);
+        expected = std::min(expected, geometry::calc_distance(build_group(flat), {}, other, at_shape).least.distance);
       }
       const Distance found = mesh->get_tree().calc_distance(at, other, at_shape, kInfinite);
       ASSERT_NEAR(found.distance, std::max(expected, 0.0), kExact)

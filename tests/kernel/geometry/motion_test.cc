@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kernel/geometry/bounds.h"
+#include "kernel/geometry/groups.h"
 #include "tests/kernel/geometry/solids.h"
 #include "tests/support/malloc_guard.h"
 
@@ -190,8 +190,8 @@ TEST(GeometryMotion, BoundsAreBelowTheDistance) {
     const geometry::ShapeGroup a = build_group("a", parts_a), b = build_group("b", parts_b);
     const Placement at_a = draw_placement(random, 3), at_b = draw_placement(random, 3);
     const geometry::GroupDistance d = calc_distance(a, at_a, b, at_b);
-    const double apart = std::min(calc_distance(a.shapes[0], at_a, b.shapes[0], at_b).distance,
-                                  calc_distance(a.shapes[1], at_a, b.shapes[0], at_b).distance);
+    const double apart = std::min(calc_distance((*a.parts)[0], at_a, (*b.parts)[0], at_b).distance,
+                                  calc_distance((*a.parts)[1], at_a, (*b.parts)[0], at_b).distance);
     EXPECT_EQ(d.least.distance, apart);
     EXPECT_LE(calc_lower_bound(a, at_a, b, at_b), apart);
     // After 0.1 s at known speeds, the distance is above the advanced bound.

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "kernel/geometry/compiled_shape.h"
 #include "tests/support/random.h"
-#include "unlatch/geometry.h"
 
 namespace unlatch::test {
 

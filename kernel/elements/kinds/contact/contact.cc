@@ -7,7 +7,6 @@
 
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/push.h"
-#include "kernel/geometry/bounds.h"
 #include "kernel/geometry/groups.h"
 
 namespace unlatch {

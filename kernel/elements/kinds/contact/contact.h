@@ -46,7 +46,7 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 // A contact at any instant of a step, of which `ev` is the evaluation.
 ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept;
 
-// Distance of two surfaces. Needs the bodies' kinematics.
+// Distance of two surfaces.
 double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept;
 
 // d, s/m, of a contact whose blow with `speed` (m/s) parts with `restitution` (0 < e ≤ 1) times that speed; the same
@@ -68,7 +68,6 @@ struct ContactKind {
   }
   static ElementTraits describe(const Model& model, const Contact& c);
   static void validate(const Contact& contact, const Check& check);
-  // Needs the surfaces in the plan, and the auxiliary states of the bodies: its totals stand behind these.
   static PlanContact compile(const Contact& contact, ElementCompiler& compiler);
   static ElementStart start(const Model&, const Contact&) { return {}; }
 

@@ -29,11 +29,29 @@ OneSidedMotion calc_joint_motion(const PlanData& plan, const Evaluation& ev, con
 // Between points of two bodies.
 OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const PlanOneSided& own,
                                  const BodyFrame& base, const BodyFrame& follower) {
+  if (own.drum == kNone) return calc_point_motion(own, nullptr, 0, base, follower);
+  return calc_point_motion(own, &plan.drums[at(own.drum)], state.bearings[at(own.drum)], base, follower);
+}
+
+// A stiffness that makes depths comparable with forces, so that the lesser of both has no corner near its crossing,
+// where an event is searched: that of the law, or its force over its stroke. N/m or N m/rad.
+double get_scale(const OneSidedLaw& law) {
+  double scale = law.stiffness;
+  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
+  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
+  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
+  return scale > 0 ? scale : 1;
+}
+
+}  // namespace
+
+OneSidedMotion calc_point_motion(const PlanOneSided& own, const CordDrum* drum, double bearing, const BodyFrame& base,
+                                 const BodyFrame& follower) noexcept {
   OneSidedMotion m{};
   m.r_follower = follower.R * own.point_follower;
   const Vec3 from_base = (follower.p + m.r_follower) - base.p;
-  if (own.drum != kNone) {  // the pull's line passes through the end, where its moments are the same as at the drum
-    m.path = calc_cord_path(plan.drums[at(own.drum)], base.R, from_base, state.bearings[at(own.drum)]);
+  if (drum != nullptr) {  // the pull's line passes through the end, where its moments are the same as at the drum
+    m.path = calc_cord_path(*drum, base.R, from_base, bearing);
     m.direction = m.path.direction;
     m.r_base = from_base;
     m.x = m.path.length;
@@ -52,18 +70,6 @@ OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const
   m.depth_rate = -own.sign * dot(m.direction, v);
   return m;
 }
-
-// A stiffness that makes depths comparable with forces, so that the lesser of both has no corner near its crossing,
-// where an event is searched: that of the law, or its force over its stroke. N/m or N m/rad.
-double get_scale(const OneSidedLaw& law) {
-  double scale = law.stiffness;
-  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
-  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
-  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
-  return scale > 0 ? scale : 1;
-}
-
-}  // namespace
 
 OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
                            const PlanOneSided& own) noexcept {

@@ -1,12 +1,13 @@
-// One-sided forces: pushers, stops and cords, see OneSided in unlatch/model.h. The state says which of them are
-// engaged, and this changes at events alone. Between events the law is smooth: stages on both sides of a limit compute
-// the same law.
+// One-sided forces: pushers, stops and cords, see OneSided in unlatch/model/elements.h. The state says which of them
+// are engaged, and this changes at events alone. Between events the law is smooth: stages on both sides of a limit
+// compute the same law.
 #pragma once
 
 #include <algorithm>
 
 #include "kernel/elements/effort.h"
 #include "kernel/elements/element_compiler.h"
+#include "kernel/elements/kinds/one_sided/cord_path.h"
 #include "kernel/joints/joint_motion.h"
 #include "kernel/model/check.h"
 #include "kernel/model/one_sided_law.h"
@@ -23,6 +24,10 @@ struct OneSidedMotion {
   CordPath path{};              // of a cord with a drum
 };
 
+// Of one between points of two bodies. `drum`: of a cord that has one, else null; `bearing`: of the cord's end, less
+// than half a turn from the present one, rad.
+OneSidedMotion calc_point_motion(const PlanOneSided& own, const CordDrum* drum, double bearing, const BodyFrame& base,
+                                 const BodyFrame& follower) noexcept;
 // By the evaluation of an instant.
 OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
                            const PlanOneSided& own) noexcept;

@@ -3,7 +3,6 @@
 
 #include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/model/from_eigen.h"
-#include "unlatch/cords.h"
 #include "unlatch/elementary.h"
 #include "unlatch/motion.h"
 #include "unlatch/readings.h"
@@ -153,6 +152,19 @@ double calc_start(const Model& model, const OneSided& force) {
 
 double calc_limit(const Model& model, const OneSided& force) {
   return force.limit ? *force.limit : calc_start(model, force) + (force.pulls ? -force.stroke : force.stroke);
+}
+
+OneSidedForce calc_one_sided_force(const OneSided& force, double limit, const CordDrum* drum, double bearing,
+                                   const BodyState& base, const BodyState& follower) noexcept {
+  PlanOneSided own{};
+  own.sign = force.pulls ? -1 : 1;
+  own.limit = limit;
+  own.guided = force.guide.has_value();
+  if (force.guide) own.guide = to_vec(*force.guide);
+  own.point_base = to_vec(force.point_base);
+  own.point_follower = to_vec(force.point_follower);
+  const OneSidedMotion m = calc_point_motion(own, drum, bearing, calc_body_frame(base), calc_body_frame(follower));
+  return {m.direction, -own.sign * m.depth_rate, own.sign * calc_one_sided_force(force, m.depth, m.depth_rate)};
 }
 
 ElementTraits OneSidedKind::describe(const Model& model, const OneSided& f) {

@@ -8,6 +8,8 @@
 
 namespace unlatch {
 
+struct Model;
+
 // One axis of a table.
 struct TableAxis {
   // What happens where the table is looked up beyond an end: the value at the end holds, and
@@ -88,5 +90,8 @@ inline constexpr int kLawStack = 32;               // values that a law may keep
 
 // Number of arguments of a kind of step; of kTable the number of its axes is.
 int get_law_arity(LawStep::Kind kind);
+
+// Per law of a valid model: some force reads it, or a law that a force reads.
+std::vector<bool> list_driving_laws(const Model& model);
 
 }  // namespace unlatch

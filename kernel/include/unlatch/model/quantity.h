@@ -52,7 +52,7 @@ struct Quantity {
     kBearing,              // bearing of its end about the drum, turns counted, rad
     kLaw,                  // value of law `subject`, in its unit
     kOnTime,               // time since element `subject` was switched on, s; 0 while it is off
-    // Of body `subject` beside the planet, of its origin; see unlatch/environment.h.
+    // Of body `subject` beside the planet, of its origin; see unlatch/model/environment.h.
     kAltitude,                 // above the ellipsoid, m
     kLatitude,                 // geodetic, rad
     kGeocentricLatitude,       // rad

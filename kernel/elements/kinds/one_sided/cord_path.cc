@@ -1,4 +1,4 @@
-#include "unlatch/cords.h"
+#include "kernel/elements/kinds/one_sided/cord_path.h"
 
 #include <algorithm>
 #include <cmath>
