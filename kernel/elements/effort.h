@@ -81,6 +81,21 @@ inline ElementTraits describe_in_joint(const char* kind, const Model& model, int
   return traits;
 }
 
+// Effort along or about an axis of a joint; its size is left at 0. `x`, `rate`: the joint's coordinate and its rate.
+inline Effort calc_in_joint(const auto& motion, int joint, int axis, double x, double rate) {
+  const PlanJoint& own = motion.plan().joints[at(joint)];
+  const JointLine line = motion.get_line(joint, axis);
+  return {.base = own.base,
+          .follower = own.follower,
+          .turns = axis >= kRotX,
+          .acts = true,
+          .direction = line.direction,
+          .r_base = line.r_base,
+          .r_follower = line.r_follower,
+          .length = x,
+          .rate = rate};
+}
+
 // The line to a point at `between` from another one. Points that coincide have no direction: it is 0.
 struct PointLine {
   double length;

@@ -52,18 +52,11 @@ struct FrictionKind {
     return plan.joints[at(own.joint)].base == kGround;
   }
   static Effort calc(const auto& motion, const PlanFriction& own, std::size_t i, double) {
-    const PlanJoint& joint = motion.plan().joints[at(own.joint)];
-    const JointLine line = motion.get_line(own.joint, own.axis);
-    return {.base = joint.base,
-            .follower = joint.follower,
-            .turns = own.axis >= kRotX,
-            .acts = true,
-            .direction = line.direction,
-            .r_base = line.r_base,
-            .r_follower = line.r_follower,
-            .size = motion.ev.friction_sizes[i],
-            .length = motion.ev.coordinates[at(own.coordinate)],
-            .rate = motion.ev.speeds[at(own.coordinate)]};
+    const std::size_t coordinate = at(own.coordinate);
+    Effort effort =
+        calc_in_joint(motion, own.joint, own.axis, motion.ev.coordinates[coordinate], motion.ev.speeds[coordinate]);
+    effort.size = motion.ev.friction_sizes[i];
+    return effort;
   }
   static ElementEnergy calc_energy(const StageMotion&, const PlanFriction&, const Effort& effort, double) {
     return {.dampers = effort.size * effort.rate};

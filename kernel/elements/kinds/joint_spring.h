@@ -31,21 +31,12 @@ struct JointSpringKind {
     return plan.joints[at(own.joint)].base == kGround;
   }
   static Effort calc(const auto& motion, const PlanJointSpring& own, std::size_t, double scale) {
-    const PlanJoint& joint = motion.plan().joints[at(own.joint)];
     const std::size_t coordinate = at(own.coordinate);
     double x = motion.ev.coordinates[coordinate], rate = motion.ev.speeds[coordinate], lead = 0;
     if (own.compliant != kNone) lead = calc_lead(motion.ev.compliant[at(own.compliant)], motion.implicit(), x, rate);
-    const JointLine line = motion.get_line(own.joint, own.axis);
-    return {.base = joint.base,
-            .follower = joint.follower,
-            .turns = own.axis >= kRotX,
-            .acts = true,
-            .direction = line.direction,
-            .r_base = line.r_base,
-            .r_follower = line.r_follower,
-            .size = calc_joint_spring(own, x, rate, scale) + lead,
-            .length = x,
-            .rate = rate};
+    Effort effort = calc_in_joint(motion, own.joint, own.axis, x, rate);
+    effort.size = calc_joint_spring(own, x, rate, scale) + lead;
+    return effort;
   }
   // A torsion about an axis of the rotation frame has a potential while the two other rotations are held.
   static bool has_potential(RowSet rows, int axis) {

@@ -1,36 +1,18 @@
 // Cortex-A53: `qemu-system-aarch64 -M virt -cpu cortex-a53 -semihosting`. Memory is used without translation, so that
 // code must keep natural alignment (-mstrict-align). The virtual counter goes at 62.5 MHz; with `-icount shift=0` one
 // count is 16 instructions.
-#include "kernel/targets/port.h"
-
-extern "C" {
-extern std::uint64_t target_bss_begin[], target_bss_end[];
-int main();
-[[noreturn]] void target_run();
-}
+#include "kernel/targets/ports/semihosting.h"
 
 namespace unlatch::target {
-namespace {
 
-std::uint64_t call_debugger(std::uint64_t operation, const void* argument) {
-  register std::uint64_t x0 asm("x0") = operation;
+std::uintptr_t call_debugger(std::uintptr_t operation, const void* argument) {
+  register std::uintptr_t x0 asm("x0") = operation;
   register const void* x1 asm("x1") = argument;
   asm volatile("hlt 0xF000" : "+r"(x0) : "r"(x1) : "memory");
   return x0;
 }
 
-}  // namespace
-
 const std::uint32_t kInstructionUnit = 16;
-
-void write(const char* text) { call_debugger(0x04, text); }  // SYS_WRITE0
-
-void finish(int code) {
-  const std::uint64_t block[2] = {0x20026, static_cast<std::uint64_t>(code)};  // ADP_Stopped_ApplicationExit
-  call_debugger(0x20, block);                                                  // SYS_EXIT_EXTENDED
-  for (;;) {
-  }
-}
 
 std::uint64_t read_counter() {
   std::uint64_t now;
@@ -39,12 +21,6 @@ std::uint64_t read_counter() {
 }
 
 }  // namespace unlatch::target
-
-extern "C" void target_run() {
-  for (std::uint64_t* to = target_bss_begin; to < target_bss_end;) *to++ = 0;
-  main();
-  unlatch::target::finish(0);
-}
 
 // Stack, FPU on, exceptions end the program.
 asm(R"(
@@ -67,11 +43,4 @@ target_exceptions:
   b target_fault
   .balign 128
   .endr
-target_fault:
-  mov x0, #2
-  b target_finish
 )");
-extern "C" [[noreturn]] void target_finish(int code) {
-  unlatch::target::write("fault\n");
-  unlatch::target::finish(code);
-}

@@ -1,11 +1,10 @@
 // Cortex-M7 with double-precision FPU: Arm's MPS2 board with the image AN500, or `qemu-system-arm -M mps2-an500`.
 // Output by semihosting, so that a debugger shows it too. SysTick counts time; with `-icount shift=0` QEMU's clock goes
 // on by 1 ns with each instruction, so that one count of SysTick, at 25 MHz, is 40 instructions.
-#include "kernel/targets/port.h"
+#include "kernel/targets/ports/semihosting.h"
 
 extern "C" {
-extern std::uint32_t target_data_from[], target_data_begin[], target_data_end[], target_bss_begin[], target_bss_end[];
-int main();
+extern std::uint32_t target_data_from[], target_data_begin[], target_data_end[];
 [[noreturn]] void target_start();
 }
 
@@ -19,13 +18,6 @@ constexpr std::uintptr_t kCpacr = 0xE000ED88;  // who may use the FPU
 constexpr std::uintptr_t kTickControl = 0xE000E010, kTickReload = 0xE000E014, kTickNow = 0xE000E018;
 constexpr std::uint32_t kTickMost = 0x00FFFFFF;
 
-std::uint32_t call_debugger(std::uint32_t operation, const void* argument) {
-  register std::uint32_t r0 asm("r0") = operation;
-  register const void* r1 asm("r1") = argument;
-  asm volatile("bkpt 0xAB" : "+r"(r0) : "r"(r1) : "memory");
-  return r0;
-}
-
 std::uint64_t ticks_before = 0;
 std::uint32_t last_count = kTickMost;
 
@@ -33,13 +25,11 @@ std::uint32_t last_count = kTickMost;
 
 const std::uint32_t kInstructionUnit = 40;
 
-void write(const char* text) { call_debugger(0x04, text); }  // SYS_WRITE0
-
-void finish(int code) {
-  const std::uint32_t block[2] = {0x20026, static_cast<std::uint32_t>(code)};  // ADP_Stopped_ApplicationExit
-  call_debugger(0x20, block);                                                  // SYS_EXIT_EXTENDED
-  for (;;) {
-  }
+std::uintptr_t call_debugger(std::uintptr_t operation, const void* argument) {
+  register std::uintptr_t r0 asm("r0") = operation;
+  register const void* r1 asm("r1") = argument;
+  asm volatile("bkpt 0xAB" : "+r"(r0) : "r"(r1) : "memory");
+  return r0;
 }
 
 // Counts down from kTickMost; called more often than every 2^24 counts.
@@ -60,17 +50,10 @@ void target_start() {
   asm volatile("dsb\n isb" ::: "memory");
   const std::uint32_t* from = target_data_from;
   for (std::uint32_t* to = target_data_begin; to < target_data_end;) *to++ = *from++;
-  for (std::uint32_t* to = target_bss_begin; to < target_bss_end;) *to++ = 0;
   *get_register(kTickReload) = kTickMost;
   *get_register(kTickNow) = 0;
   *get_register(kTickControl) = 5;  // on, the processor's clock, no interrupt
-  main();
-  finish(0);
-}
-
-[[noreturn]] static void target_fault() {
-  unlatch::target::write("fault\n");
-  unlatch::target::finish(2);
+  target_run();
 }
 
 // What the processor reads at its start: the initial stack pointer, then the handlers up to SysTick.
