@@ -160,7 +160,7 @@ void validate_attachments(const Model& model, ModelErrors& errors) {
 }
 
 void validate_bodies(const Model& model, ModelErrors& errors) {
-  constexpr double kShortest = 1e-6;  // a quaternion shorter than this has no direction worth trusting
+  constexpr double kShortest = 1e-6;  // a shorter quaternion does not determine an attitude
   if (model.bodies.empty()) errors.push_back({"model", "it has no bodies", "give at least one", "bodies"});
   if (model.bodies.size() > kMostBodies)
     errors.push_back({"model", "it has " + std::to_string(model.bodies.size()) + " bodies",

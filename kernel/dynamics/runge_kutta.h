@@ -1,5 +1,5 @@
 // The stages of a sub-step, and corrections: bodies in blocks of eight, and auxiliary states, which are first-order
-// scalars, by the same formulas. Whatever moves a body leaves its kinematics as well. Compiled once per instruction
+// scalars, by the same formulas. Functions that move bodies update their kinematics. Compiled once per instruction
 // set, see kernel/simd/pack.h.
 //
 //   RK4    k1 … k4 with the weights 1/6, 1/3, 1/3, 1/6: begin_stages, advance_stage twice, finish_stages

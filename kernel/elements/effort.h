@@ -39,7 +39,7 @@ struct JointLine {
   Vec3 direction{0, 0, 0}, r_base{0, 0, 0}, r_follower{0, 0, 0};
 };
 
-// The motion that `calc` reads, at a stage, a try or an instant: from the evaluation.
+// The motion that `calc` reads at a stage, a try or an instant: that of the evaluation.
 struct StageMotion {
   const Instant& now;
   const Evaluation& ev;

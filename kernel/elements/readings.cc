@@ -19,7 +19,7 @@ ElementReading read_element(const Motion& motion, int element) noexcept {
   const double scale = calc_scale(motion.state().elements[at(element)], motion.time());
   ElementReading out{.scale = scale};
   for_each_kind([&]<class Kind>(Kind) {
-    // Elements of one kind are numbered in a row.
+    // Elements of one kind have consecutive numbers.
     const auto& list = Kind::of_plan(motion.plan());
     const std::size_t i = list.empty() ? 0 : at(element) - at(list[0].element);
     if (i >= list.size()) return;

@@ -7,8 +7,8 @@ namespace {
 
 constexpr int kMostIterations = 24;
 constexpr double kRounding = 2e-16;   // of the pair's size
-constexpr double kLevel = 1e-12;      // relative change of the squared distance that is none
-constexpr double kCertified = 1e-13;  // of the pair's size: a gap that needs no second method
+constexpr double kLevel = 1e-12;      // relative change of the squared distance that counts as none
+constexpr double kCertified = 1e-13;  // of the pair's size: up to this gap no second method is tried
 
 double calc_gap(const Core& a, const Core& b, const Closest& c) {
   return c.distance + (calc_extent(a, c.n) + calc_extent(b, -c.n));
@@ -24,7 +24,7 @@ Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
   const double r1 = dot(B.u1, r), r2 = dot(B.u2, r);
   const double f1 = k11 * r1 + k12 * r2, f2 = k21 * r1 + k22 * r2;
   const double determinant = m11 * m22 - m12 * m21;
-  constexpr double kSingular = 1e-15;  // both flat in one direction: any point along it is as near
+  constexpr double kSingular = 1e-15;  // both are flat in one direction: all points along it are equally near
   if (!(std::fabs(determinant) > kSingular)) return r;
   const double y1 = (f1 * m22 - m12 * f2) / determinant, y2 = (m11 * f2 - f1 * m21) / determinant;
   return r + (y1 * A.u1 + y2 * A.u2);
@@ -35,7 +35,7 @@ Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
 double calc_pair_size(const Core& a, const Core& b) { return (a.bound + b.bound) + norm(b.c - a.c); }
 
 Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, double size) {
-  // y is the point whose nearest point of A is computed: B's, or where Newton's method expects it on B's tangent plane.
+  // y is the point that is projected onto A: the latest of B, or Newton's estimate of the next in B's tangent plane.
   Closest best;
   Projection on_a, on_b;
   on_a.p = start;
@@ -45,7 +45,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
   Vec3 y = best.b, d = best.b - best.a;
   double squared = dot(d, d);
   const double touching = (kRounding * size) * (kRounding * size);
-  // Near the end a step no longer changes the distance, which is of second order in it, but it changes the residual.
+  // Near the end a step changes the residual, but no longer the distance, in which it is of second order.
   bool level = false, newton = false, apart = !on_b.inside;
   double last = 0;
   for (int iteration = 0; apart && squared > touching && iteration < kMostIterations; ++iteration) {
@@ -58,7 +58,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
     d = on_b.p - on_a.p;
     const double next = dot(d, d), limit = squared * (1 + kLevel);
     if (newton && (on_a.inside || on_b.inside || !(next < limit))) {
-      y = best.b;  // the step was longer: one of alternating projections, which never is
+      y = best.b;  // the distance grew: alternating projections instead, with which it never does
       newton = false;
       continue;
     }

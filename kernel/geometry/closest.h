@@ -6,8 +6,8 @@
 // face, edge, vertex) are the right ones. A step that does not shorten the distance is replaced by one of alternating
 // projections, which always does. Cost: two to six iterations of two projections each.
 //
-// Certificate: with n along b − a, the slab between the support planes of A and B across n is as wide as −h_A(n) −
-// h_B(−n), and no pair of points can be nearer than that; a and b are not farther from each other than they are.
+// Certificate: with n along b − a, the support planes of A and B across n are −h_A(n) − h_B(−n) apart. No two points of
+// A and B are nearer to each other than that, and the distance is at most |b − a|: the gap is the difference.
 #pragma once
 
 #include "kernel/geometry/core.h"
@@ -18,11 +18,11 @@ struct Closest {
   Vec3 a{0, 0, 0}, b{0, 0, 0};
   Vec3 n{0, 0, 1};      // from a to b
   double distance = 0;  // m
-  double gap = 0;       // m, distance minus the width of the slab
+  double gap = 0;       // m, |b − a| less the distance of the support planes
   bool apart = false;   // else the cores overlap or touch, and only a and b mean something
 };
 
-// m, what is counted as rounding: of the sizes of both cores and the way between them.
+// m, size of a pair, to which rounding is relative: the sizes of both cores and the distance of their centres.
 double calc_pair_size(const Core& a, const Core& b);
 
 Closest calc_closest(const Core& a, const Core& b);

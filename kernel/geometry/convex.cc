@@ -5,7 +5,7 @@
 namespace unlatch::geometry {
 namespace {
 
-constexpr double kCertified = 1e-10;  // of the pair's size: a gap that needs no third method
+constexpr double kCertified = 1e-10;  // of the pair's size: up to this gap no third method is tried
 
 // Improves the normal of cores that are so near that the direction between their nearest points is uncertain
 // (millionths of their size apart): B is moved away along the normal, as for a depth; there the same direction is well
@@ -18,7 +18,7 @@ void sharpen(const Core& a, const Core& b, Closest& closest) {
   closest.a = width.a;
   closest.b = width.b;
   closest.n = width.n;
-  closest.distance = -width.depth;  // of the slab: the truth is not below it
+  closest.distance = -width.depth;  // of the support planes: a lower bound
   closest.gap = gap > 0 ? gap : 0;
 }
 

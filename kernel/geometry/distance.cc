@@ -59,7 +59,7 @@ Rounded build_core(const ShapeView& view, const Placed& at) {
 Distance calc_half_space(const Placed& space, const Rounded& b) {
   Distance out;
   out.normal = space.R.z;
-  // The plane as a square that is large beside B: the middle is that of B's face.
+  // The plane is taken as a square, large beside B, so that the middle is that of B's face.
   Core square;
   square.kind = Core::Kind::kBox;
   square.R = space.R;
@@ -91,7 +91,7 @@ Core build_piece(const ShapeView& hollow, const Placed& at, std::size_t i) {
   return solid;
 }
 
-// The least of the walls between the profile's points.
+// The least distance of the walls between the profile's points.
 Distance calc_hollow(const ShapeView& hollow, const Placed& at, const Rounded& b) {
   Distance least;
   for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {

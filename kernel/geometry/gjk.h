@@ -1,5 +1,5 @@
 // The algorithm of Gilbert, Johnson and Keerthi (1988): least distance of two convex sets by support points alone.
-// Exact to rounding for polytopes; for curved sets a start, and a fallback. Nearest points of simplices by signed
+// Exact to rounding for polytopes; for curved sets a start and a fallback. Nearest points of simplices by signed
 // volumes (Montanari, Petrinic, Barbieri 2017), which stay right where a simplex is nearly flat.
 #pragma once
 

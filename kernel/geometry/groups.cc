@@ -61,7 +61,7 @@ double calc_lower_bound(const GroupNumbers& a, const Placement& at_a, const Grou
 double calc_closing_speed(const GroupNumbers& a, const Motion& of_a, const GroupNumbers& b,
                           const Motion& of_b) noexcept {
   const double reach_a = norm(a.centre) + a.bound, reach_b = norm(b.centre) + b.bound;
-  // A half-space that does not turn has no lever.
+  // Without a turn the term is 0, also for a half-space, whose reach is infinite.
   const double turn_a = of_a.turn > 0 ? of_a.turn * reach_a : 0, turn_b = of_b.turn > 0 ? of_b.turn * reach_b : 0;
   return norm(of_a.v_WB - of_b.v_WB) + (turn_a + turn_b);
 }

@@ -273,7 +273,7 @@ bool centre_of_polygon_and_disc(const Region& polygon, const Region& disc, Point
   return true;
 }
 
-// A lens; or the smaller disc, where it lies in the larger.
+// The common region is a lens, or the smaller disc where it lies in the larger.
 bool centre_of_discs(const Region& a, const Region& b, Point2& centre) {
   const Point2 way = b.centre - a.centre;
   const double d = std::sqrt(dot2(way, way)), ra = a.radius, rb = b.radius;
@@ -286,7 +286,7 @@ bool centre_of_discs(const Region& a, const Region& b, Point2& centre) {
                part_b = rb * rb * of_b - half * (d - x);  // segments beyond the chord
   const double area = part_a + part_b;
   if (!(area > 0)) return false;
-  // First moments about the centres: cube each, along the way and against it.
+  // First moments of the two segments, each about its disc's centre: `cube` towards b, and `cube` towards a.
   const double along = (cube + (part_b * d - cube)) / area;
   centre = lerp(a.centre, b.centre, along / d);
   return true;
@@ -325,7 +325,7 @@ bool find_middle(Region& a, Region& b, Point2& middle) {
   return centre_of_polygon(a, middle);
 }
 
-// Cheap: most pairs have no face across the normal.
+// A quick test: most pairs have no face across the normal.
 bool has_face(const Core& core, const Vec3& n) {
   if (core.kind == Core::Kind::kPoint) return false;
   if (core.kind == Core::Kind::kPoints) return true;

@@ -62,14 +62,14 @@ class Polytope {
   int get_face_count() const { return face_count_; }
   const Face& get_face(int f) const { return faces_[f]; }
 
-  // False if there is no room, or the face is one of A − B's own.
+  // Adds the support point beyond a face. False if there is no room for it, or the face is a face of A − B.
   bool expand(const Face& face) {
     if (point_count_ == kMostPoints) return false;
     const Vec3 p = support(face.n);
     const double tolerance = 1e-13 * (flat_ * 1e10);
     if (dot(face.n, p) - face.offset <= tolerance) return false;
     points_[point_count_] = p;
-    // Faces that see the point go; their borders to the others are joined to it.
+    // Faces in front of which the point lies are removed, and the edges of the hole are connected with it.
     int edges[3 * kMostFaces][2];
     int edge_count = 0, kept = 0;
     for (int f = 0; f < face_count_; ++f) {
@@ -123,7 +123,7 @@ class Polytope {
       face.n = (1.0 / length) * n;
       face.offset = dot(face.n, points_[i]);
     } else {
-      face.offset = std::numeric_limits<double>::infinity();  // a needle: never the nearest
+      face.offset = std::numeric_limits<double>::infinity();  // without area: never the nearest
     }
     faces_[face_count_++] = face;
   }
@@ -136,7 +136,7 @@ class Polytope {
   int face_count_ = 0;
 };
 
-// Normal between the cores at half their size, which overlap less; between the centres, where even those overlap.
+// Normal between the cores at half their size, which overlap less; if even those overlap, the line of the centres.
 Vec3 calc_shrunk_normal(const Core& a, const Core& b) {
   Core small[2] = {a, b};
   bool scaled = true;
@@ -182,10 +182,10 @@ Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double si
     moved.c = b.c + s * n;
     Closest c = calc_closest_from(a, moved, calc_projection(a, sb + s * n).p, size);
     if (c.apart && c.gap > 1e-13 * size) c = calc_closest(a, moved);
-    if (!c.apart) break;  // cannot be, but for rounding
+    if (!c.apart) break;  // possible by rounding alone
     const Vec3 back = c.b - s * n;
     const double depth = calc_extent(a, c.n) + calc_extent(b, -c.n);
-    const Vec3 turned = n - dot(n, c.n) * c.n;  // of the start, as seen from the result
+    const Vec3 turned = n - dot(n, c.n) * c.n;  // from the resulting normal to the present one
     const double turn = norm(turned);
     if (is_better(depth, s * turn, best, size)) {
       best.a = c.a;
@@ -196,7 +196,7 @@ Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double si
     }
     if (turn <= kTurned) break;
     if (stepped && depth > last + 1e-13 * size) {
-      n = plain;  // the step went to another piece of the surface
+      n = plain;  // the step has left the piece of the surface that it was computed for
       stepped = false;
       continue;
     }
@@ -212,7 +212,7 @@ Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double si
       const double length = std::sqrt(du * du + dv * dv), k = length > kLongest ? kLongest / length : 1;
       step = -((k * du) * R.u + (k * dv) * R.v);
     } else {
-      step = (-kLongest / turn) * turned;  // no minimum here: on
+      step = (-kLongest / turn) * turned;  // no minimum here: a long step
     }
     plain = c.n;
     n = c.n + step;
@@ -228,7 +228,7 @@ Depth calc_depth(const Core& a, const Core& b) {
   Depth best;
   Vec3 across{0, 0, 1};
   if (!polytope.build(across)) {
-    // Two segments that cross, or a point in another core without volume: a common point, parted across both.
+    // Two segments that cross, or a point in another core without volume: they touch, and part across both.
     const Closest c = calc_closest(a, b);
     best.a = c.a, best.b = c.b, best.n = across;
     return best;
@@ -249,12 +249,12 @@ Depth calc_depth(const Core& a, const Core& b) {
   bool room = true;
   for (int step = 0; room && step < kMostPoints; ++step) {
     const Face face = polytope.get_nearest();
-    // The depth that can still be gained; the rest is curvature that more faces would follow.
+    // The depth lies between the offset and the best; the tolerance is what flat faces miss of a curved surface.
     if (best.depth - face.offset <= tolerance) return best;
     polish(face, kAlike);
     room = polytope.expand(face);
   }
-  // A face is one of A − B's own, or there is no more room: the faces that are left and may hold less.
+  // The expansion has ended: at a face of A − B, or for lack of room. The other faces that may have a lesser depth:
   for (int f = 0; f < polytope.get_face_count(); ++f) {
     const Face& face = polytope.get_face(f);
     if (face.offset < best.depth - tolerance &&

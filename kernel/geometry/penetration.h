@@ -3,9 +3,9 @@
 //
 // Global: the expanding polytope (van den Bergen 2001) inside A − B. The offset of its nearest face is a lower bound of
 // the depth; each face that might hold the minimum is polished, so that the best polished depth is an upper bound.
-// Polishing: B is moved out along n by s, more than its depth along n, and the nearest points of the parted cores
-// (closest.h) give a better n: exactly the right one on a face; elsewhere Newton's method with the supports'
-// curvatures.
+// Polishing: B is moved out along n by s, more than its depth along n, and the normal between the nearest points of the
+// parted cores (closest.h) is a better n: the exact one on a face; elsewhere Newton's method with the curvatures of the
+// supports improves it.
 #pragma once
 
 #include "kernel/geometry/closest.h"

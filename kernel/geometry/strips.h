@@ -1,7 +1,7 @@
 // Tangent strips of a thin wall, and lower bounds of their distances to a convex core over arcs of azimuths.
 //
-// The strip at an azimuth is the wall's generator there, widened across it in the tangent plane; of a half wall not
-// beyond the plane of its edges. wall.cc has the use of both.
+// The strip at an azimuth is the part of the tangent plane beside the wall's generator there; that of a half wall ends
+// at the plane of its edges. wall.cc uses both.
 #pragma once
 
 #include "kernel/geometry/compiled_shape.h"
@@ -15,12 +15,12 @@ struct Strip {
   double rate = 0;     // m/rad, of the distance by the azimuth
 };
 
-// A direction that turns with the azimuth θ: the slab between a strip and B across it is a lower bound of their
-// distance, also of an overlap.
+// A direction u that turns with the azimuth θ. The distance between the support planes of a strip and of B across u is
+// a lower bound of their signed distance.
 //
-// The reach H(θ) of B against it has H + H'' ≥ −residue, so that H + residue is below the sinusoid through the ends of
-// an arc. For a point at the height z over the solid's centre, H + H'' = −u.z z. B is taken as one part, the residue
-// the greatest of its points, or a frustum as its two rims: a rim of radius r has r (g + g'') more (`calc_roundness`).
+// The support H(θ) of B along −u has H + H'' ≥ −residue. So H + residue stays below the sinusoid that has its values at
+// the two ends of an arc. For one point at the height z over the solid's centre, H + H'' = −u.z z. B is one part, whose
+// residue is the largest of its points; a frustum is two, its rims: a radius r adds r (g + g''), see calc_roundness().
 struct TurningDirection {
   double e, t, z;     // unit length, from the strip to B: radial, along the rims, along the axis
   double of_wall;     // m, the strip's extent along e and z
@@ -30,7 +30,7 @@ struct Reach {
   double of[2];  // m, of each part, with its residue
 };
 
-// The strips of the wall of `solid`, a frustum or half of one, beside B. Keeps both by reference.
+// The strips of the wall of `solid`, a frustum or half of one, and their distances to B. Refers to both.
 class Strips {
  public:
   Strips(const Core& solid, const Core& b);
@@ -42,15 +42,15 @@ class Strips {
   [[nodiscard]] double calc_azimuth(const Vec3& point) const;
   [[nodiscard]] Strip calc_strip(double azimuth) const;
 
-  // The direction of a strip's own normal: there the bound is the distance. Of a whole wall without t, in which its
-  // strips have no end.
+  // The direction of a strip's own normal, in which the bound is its distance. A whole wall has no component t, because
+  // its strips do not end along t.
   [[nodiscard]] TurningDirection calc_direction(const Strip& strip) const;
   [[nodiscard]] Reach calc_reach(const TurningDirection& u, double azimuth) const;
 
   // Lower bound of the distance of the strip at an azimuth, m.
   [[nodiscard]] double calc_bound(const TurningDirection& u, double azimuth, const Reach& at) const;
-  // The same of all strips of an arc, by the reaches at both ends: between them each part's is below the sinusoid
-  // through both.
+  // Lower bound for all strips of an arc, by the reaches at its ends: in between, that of each part stays below the
+  // sinusoid through both.
   [[nodiscard]] double calc_bound(const TurningDirection& u, double from, double to, const Reach& at_from,
                                   const Reach& at_to) const;
 
@@ -66,7 +66,7 @@ class Strips {
   };
 
   [[nodiscard]] Axes calc_axes(double azimuth) const;
-  // Narrower the nearer the generator is to an edge: neither end passes the plane of the edges.
+  // Neither end passes the plane of the edges: near an edge a strip is narrow.
   [[nodiscard]] Extent calc_extent(const Axes& at) const;
   [[nodiscard]] double calc_extent_of_b(const Vec3& d) const;
   // A lower bound of g + g'' over all azimuths, 0 at least: g = √(1 − x²) is the reach of a rim of radius 1, x = q + p

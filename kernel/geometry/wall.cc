@@ -4,18 +4,18 @@
 //   out = signed distance of B and the solid S
 //   in  = min over azimuths θ of the signed distance of B and the tangent strip P_θ
 //
-// P_θ is the generator at θ, widened across it in the tangent plane; of a half wall until its first corner comes to the
-// plane of the edges.
+// P_θ is the part of the tangent plane beside the generator at θ; for a half wall it ends where its first corner
+// reaches the plane of the edges.
 //
-// Apart, this is the distance to the wall: neither is more than it, because S and the strips contain the wall; where B
-// is beside or before S, the nearest point of S is on the wall and `out` is exact, or on an open end and the nearest
-// point of the wall is on its rim, where `in` is; where B is in S, a nearest strip has its nearest point on its
-// generator, for turning a strip moves all its other points, and `in` is exact. Overlapping, it is minus the lesser of
-// two depths: the greatest height by which B stands out of the wall, and the way out of the solid. Both are continuous.
+// For a B apart from the wall this is their distance. Neither value exceeds it, since S and the strips together contain
+// the wall, and one of them equals it. With B outside of S, the nearest point of S is on the wall, and `out` is exact;
+// or it is on an open end, the nearest point of the wall is on a rim, and `in` is exact. With B inside of S, the
+// nearest point of a nearest strip is on its generator, since a turn moves all others, and `in` is exact. For an
+// overlap it is minus the lesser of two continuous depths: B's greatest height over the wall, and the way out of S.
 //
-// `in` has as many local minima as B has points that reach towards the wall, near each other or not. The least of them
-// is found by branch and bound over arcs of azimuths (Land and Doig 1960): a lower bound of an arc is exact to the
-// second order of its width (`Strips`), and an arc that may hold less than the least strip so far is halved.
+// `in` has a local minimum for each part of B that protrudes towards the wall. The least of them is found by branch and
+// bound over arcs of azimuths (Land and Doig 1960): a lower bound of an arc is exact to second order of its width
+// (`Strips`), and an arc that may contain less than the least strip so far is halved.
 #include <limits>
 
 #include "kernel/geometry/distance.h"
@@ -29,12 +29,12 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kFirstArcs = 8;               // of the full circle
 constexpr double kFirstWidth = 0.25 * kPi;  // rad
 constexpr int kMostHalvings = 15;           // to 2.4e-5 rad, where a bound is exact to 1e-10 of B's radius of curvature
-constexpr int kMostArcs = 384;              // that are looked at
-constexpr int kMostStrips = 48;             // that arcs are judged by
+constexpr int kMostArcs = 384;              // that are examined
+constexpr int kMostStrips = 48;             // whose directions bound the arcs
 constexpr int kMostSteps = 40;              // of a descent
 constexpr double kStationary = 1e-9;        // of the pair's size, per rad: no descent from there
 constexpr double kTurn = 1e-9;              // rad, an interval whose distance does not change
-constexpr double kLess = 1e-11;             // of the pair's size: a distance that is less by this is worth the search
+constexpr double kLess = 1e-11;             // of the pair's size: a smaller gain ends the search
 
 // Minimum between two strips, by the signs of their rates: the root of the rate (Illinois, Dowell and Jarratt 1971),
 // else the least strip that was computed.
@@ -59,7 +59,7 @@ void descend_between(const Strips& strips, Strip left, Strip right, Strip& best)
   }
 }
 
-// Least strip of the valley in which `at` is.
+// The strip at the local minimum to which the distance falls from `at`.
 Strip descend(const Strips& strips, Strip at) {
   constexpr double kLeastStep = 1e-7, kMostStep = 0.3;  // rad
   Strip best = at;
@@ -121,7 +121,7 @@ Distance calc_in(const Core& solid, const Core& b) {
     if (!is_worth(arc.bound) || arc.halvings == kMostHalvings) continue;
     const double middle = 0.5 * (arc.from + arc.to);
     Reach at_middle = strips.calc_reach(directions[arc.direction], middle);
-    // Where the bound of a strip does not decide, the strip itself does.
+    // Where the bound at the middle does not decide, the strip there is computed.
     if (is_worth(strips.calc_bound(directions[arc.direction], middle, at_middle)) && known < kMostStrips) {
       const Strip strip = strips.calc_strip(middle);
       if (strip.d.distance < best.d.distance) best = descend(strips, strip);

@@ -38,12 +38,13 @@ struct SubstepStart {
 // The instant that the evaluation is of becomes the beginning of the next sub-steps.
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
-// From `start` to time `end`, s. Leaves motion and kinematics in `ev`, of which evaluate() makes an evaluation. `now`
-// has modes, elements and commands. The start remains in `ev`, for another try.
+// From `start` to time `end`, s. Leaves motion and kinematics in `ev`: evaluate() computes the rest. `now` has modes,
+// elements and commands. The start remains in `ev`, for another try.
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept;
 
 // Changes the velocities in `ev` and `state` so that the active rows close, by a perfectly plastic impulse, which is
-// left in ev.multipliers, N s and N m s. `ev` has the kinematics of `state`. kForces: with the impulses of impulses.h.
+// left in ev.multipliers, N s and N m s. `ev`: with the kinematics of `state` and, for kBodyForces, with impulses on
+// bodies (impulses.h).
 int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept;
 
 // The parts of an evaluation, each from those before it; Evaluation lists what each computes.

@@ -6,7 +6,7 @@
 namespace unlatch {
 namespace {
 
-// Notes the laws that an element names: a kind raises all its indices by shift(), laws among them.
+// Marks the laws that an element names: its kind passes all its indices to shift(), those of laws among them.
 struct LawLister {
   std::vector<bool>& named;
 
@@ -28,7 +28,7 @@ std::vector<int> list_laws_read(const Model& model, const Law& law) {
   return read;
 }
 
-// Depth first without recursion, so that a chain of many laws is no danger. False where a law is met that is under way.
+// Depth first, without recursion, which a long chain of laws would make deep. False if a law depends on itself.
 class Sorter {
  public:
   explicit Sorter(const Model& model) : model_(model), marks_(model.laws.size(), Mark::kNew) {}

@@ -10,7 +10,7 @@ namespace unlatch {
 struct LawGraph {
   std::vector<int> order;     // all laws, each behind those that it reads
   std::vector<bool> driving;  // per law: some force reads it, or a law that a force reads
-  std::vector<int> circle;    // laws that read themselves through others; then the rest counts for nothing
+  std::vector<int> circle;    // laws that depend on themselves; where there are any, the rest is not valid
 };
 
 // Indices in laws must exist; those in elements need not.

@@ -75,7 +75,7 @@ double apply(const PlanLawStep& step, double a) {
   }
 }
 
-// A step of two arguments. The smaller and the larger of NaN and a number are NaN: nothing hides it.
+// A step of two arguments. The minimum and the maximum of NaN and a number are NaN.
 double apply(const PlanLawStep& step, double a, double b) {
   using Kind = LawStep::Kind;
   switch (step.kind) {

@@ -105,7 +105,7 @@ void check_stack(const Check& check, const Law& law) {
   if (depth != 1) report("the number of values that its expression leaves is " + std::to_string(depth), "one value");
 }
 
-// What forces read must be there before them.
+// What forces read must be known before the forces.
 void check_readable(const Model& model, const LawGraph& graph, ModelErrors& errors) {
   for (std::size_t i = 0; i < model.laws.size(); ++i) {
     if (!graph.driving[i]) continue;

@@ -99,8 +99,8 @@ inline double calc_stored_energy(const OneSidedLaw& law, double depth) {
   return 0;
 }
 
-// The sum whose positive part is the force: what resists acts against the motion, so that a pusher gives less and a
-// stop that is run into more.
+// The sum whose positive part is the force. Resistance acts against the motion: it lessens the force of a pusher, and
+// adds to that of a stop that is hit.
 inline double calc_sum(const OneSidedLaw& law, double depth, double depth_rate) {
   double sum = calc_elastic_force(law, depth) + law.damping * depth_rate;
   if (law.friction != 0)

@@ -51,11 +51,11 @@ struct QuantityCheck {
   bool check_subject(SubjectOf of, int subject) {
     const bool exists = of == SubjectOf::kNothing || is_index(subject, count_subjects(model, of));
     if (of == SubjectOf::kCord && !(exists && model.one_sided[static_cast<std::size_t>(subject)].drum)) {
-      report("it looks at how far a cord is wound that has no drum", "the index of a cord with a drum");
+      report("it reads how far a cord without a drum is wound", "the index of a cord with a drum");
       return false;
     }
     if (of == SubjectOf::kMassLaw && !(exists && model.bodies[static_cast<std::size_t>(subject)].law)) {
-      report("it looks at what a body burns that has no mass law", "the index of a body with a law");
+      report("it reads what a body without a mass law has burnt", "the index of a body with a law");
       return false;
     }
     if (!exists)
@@ -73,7 +73,7 @@ struct QuantityCheck {
 
   void check_row(int row, int first, int last) {
     if (row < first || row > last)
-      report("it names an axis that this kind of quantity has not",
+      report("it names an axis that this kind of quantity does not have",
              std::string(kRowNames[first]) + " … " + kRowNames[last], "axis");
   }
 
@@ -112,7 +112,7 @@ struct QuantityCheck {
         if (part == Quantity::kAll && single)
           report("it takes all values of a vector", "one of them, the size, or a direction");
         else if (part < Quantity::kAll || part >= count)
-          report("it names a value that this kind of quantity has not", "0 … " + std::to_string(count - 1));
+          report("it names a value that this kind of quantity does not have", "0 … " + std::to_string(count - 1));
         return;
       case QuantityValues::kOne:
         return;

@@ -106,7 +106,7 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   if (v.group.link == ParentLink::kRoot) return;
   if (v.modes.by_freedoms || v.modes.rows != 0)
     pass_to_parents<kFactor>(v, move<kFactor>(passed, load<T>(v.blocks.solver().offset)), sweep.source, sums);
-  else if (v.group.siblings_begin || v.group.begins != kNone)  // sums begin here, with zero
+  else if (v.group.siblings_begin || v.group.begins != kNone)  // begins the sums, with zero
     pass_to_parents<kFactor>(v, get_nothing<T>(), sweep.source, sums);
 }
 

@@ -16,7 +16,7 @@ struct Stretch {
   std::int32_t own = 0, joined = 0, count = 0;
 };
 
-// A run. Its first of each list in the joined plan.
+// A run: where its items begin in each list of the joined plan.
 struct BundleMember {
   std::int32_t body, joint, event, signal, pair, one_sided, bearing, sensor, quantity, channel, load, friction, law,
       table;

@@ -38,8 +38,8 @@ constexpr double kRounding = 1e-10;
 Eigen::Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
 Vec3 to_vec3(const Eigen::Ref<const Eigen::Vector3d>& a) { return {a[0], a[1], a[2]}; }
 
-// Where each velocity of the system is in a vector of all: six for each body that is no marker, v in W and w in body
-// axes, then the modal rates.
+// Places of the velocities in a vector of all: six of each body other than markers, v in W and w in body axes, then the
+// modal rates.
 class Layout {
  public:
   explicit Layout(const PlanData& plan) : first_(plan.bodies.size(), kNone) {
@@ -59,7 +59,7 @@ class Layout {
   Index size_ = 0;
 };
 
-// A state of its own.
+// A state with its own memory.
 struct OwnState {
   explicit OwnState(const Plan& plan, const State& other)
       : words(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(words))) {
@@ -69,7 +69,7 @@ struct OwnState {
   State state;
 };
 
-// What the differences are taken of, at one state.
+// The numbers of one state of which differences are taken.
 struct Sample {
   VectorXd accelerations, outputs;
 };
@@ -175,7 +175,7 @@ class Linearisation {
     }
   }
 
-  // The velocity at which the rows that hold stay closed and which is nearest, weighted with the masses.
+  // The nearest velocity, weighted with the masses, at which the rows that hold stay closed.
   bool project_velocity(State& state) {
     get_data(workspace_).kept.valid = false;
     load_state(plan_, state, ev());
@@ -234,7 +234,7 @@ class Linearisation {
     return a;
   }
 
-  // Adds to a row of coefficients of the velocities that of lin · v + ang · w of a body, world axes.
+  // Adds the coefficients of lin · v + ang · w of a body, world axes, to a row of coefficients of the velocities.
   void add_coefficients(int body, const Vec3& lin, const Vec3& ang, Eigen::Ref<Eigen::RowVectorXd> row) {
     if (body == kGround) return;
     const Index first = layout_.first(at(body));

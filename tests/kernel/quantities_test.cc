@@ -197,8 +197,8 @@ TEST(Quantities, MistakesAreReportedWithTheirPlace) {
   check(quantity(Kind::kVelocity, 0, 0), "seen from itself");
   check(quantity(Kind::kAxes, 0), "an axis has the length 0");
   check(quantity(Kind::kBurnt, 0), "no mass law");
-  check(of_row(Kind::kDisplacement, 0, kRotX), "an axis that this kind of quantity has not");
-  check(of_row(Kind::kReaction, 0, kRotZ + 1), "an axis that this kind of quantity has not");
+  check(of_row(Kind::kDisplacement, 0, kRotX), "an axis that this kind of quantity does not have");
+  check(of_row(Kind::kReaction, 0, kRotZ + 1), "an axis that this kind of quantity does not have");
   check(of_row(Kind::kMode, 0, 9), "a mode that joint 'hinge' has not");
   check(of_row(Kind::kVelocity, 0, Quantity::kAll), "all values of a vector");
   check(quantity(static_cast<Kind>(99), 0), "does not exist");

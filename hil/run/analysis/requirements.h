@@ -1,6 +1,5 @@
 // Verdict of a run: the value of each requirement, its margin, its time, and the decision "met", "not met" or
-// "unresolved". Minima
-// and maxima are located inside the steps; values at an event are those of its instant.
+// "unresolved". Minima and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
 #include <optional>

@@ -4,8 +4,8 @@
 //
 //   release        the instant at which the last joint between the two becomes free
 //   end of push    the instant at which the last spring or pusher between them ceases to act: a pusher at its free
-//   length,
-//                  any other when it is switched off; the release if none acts; the end of the run while one does
+//                  length, any other when it is switched off; the release if none acts; the end of the run while one
+//                  acts
 //   axis           of the base body's axes (of W's, if the base is the ground) that nearest to the relative velocity of
 //                  the two centres of mass at the end of push, with its sign
 //

@@ -4,9 +4,8 @@
 // (unresolved_bodies.h): they are no results.
 //
 //   rotation*  |w|·dt of a body beyond kAccurate
-//   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one it
-//   is
-//              a notice only, as of a mode
+//   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one, as
+//              of a mode, it is a notice only
 //   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
 //              dt / tau beyond kAccurate
 //   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
@@ -20,8 +19,7 @@
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
 //   energy*    energy that no force explains, beyond kEnergyNotice of the largest: a notice; beyond kEnergyFailure
-//   every
-//              body is unresolved
+//              every body is unresolved
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-// Loads: forces and torques that a profile over time and a command size. Neither asks where the bodies are, so that
-// stages of a step at one instant share them; those fixed in a body are summed in its axes, and go with it into the
-// world. Those that a law sizes (kernel/laws) may ask, and are computed in every stage.
+// Loads: forces and torques that a profile over time and a command size. They do not depend on the motion, so that the
+// stages at one instant share their sizes; those fixed in a body are summed in its axes, and turned with it. Loads that
+// a law sizes (kernel/laws) may depend on the motion, and are computed in every stage.
 #pragma once
 
 #include "kernel/elements/effort.h"

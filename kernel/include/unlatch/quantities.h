@@ -1,4 +1,4 @@
-// Knowledge of each kind of quantity: its name in the language, its subjects, its values, their unit and axes, and what
+// Traits of each kind of quantity: its name in the language, its subjects, its values, their unit and axes, and what
 // it reads. Validation, joined models, guards, sensors, the scenario language, outputs and requirements follow from it.
 #pragma once
 
