@@ -139,11 +139,11 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   const PlanData& plan = run.plan;
   Evaluation& ev = run.ev();
   Balance strikes{{0, 0, 0}, {0, 0, 0}, 0};
+  Source source = Source::kNothing;
   if (struck) {
     strikes = calc_impulses(plan, run.inputs, run.search().acting, ev);
-    set_impulses(plan, run.inputs, run.search().acting, ev);
+    source = set_impulses(plan, run.inputs, run.search().acting, ev);
   }
-  const Source source = struck ? Source::kBodyForces : Source::kNothing;
   if (run.node = apply_impulse(plan, source, run.state(), ev); run.node != kNone) return false;
   allowed = calc_allowed_change(plan, run.state(), ev);
   update_velocities(plan, ev);  // w_W of markers; other bodies have theirs

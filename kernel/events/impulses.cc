@@ -1,6 +1,5 @@
 #include "kernel/events/impulses.h"
 
-#include "kernel/dynamics/flexible.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
@@ -37,14 +36,15 @@ bool has_impulses(const PlanData& plan, std::span<const std::int64_t> acting) no
   return any;
 }
 
-void set_impulses(const PlanData& plan, const Inputs& inputs, std::span<const std::int64_t> acting,
-                  Evaluation& ev) noexcept {
+Source set_impulses(const PlanData& plan, const Inputs& inputs, std::span<const std::int64_t> acting,
+                    Evaluation& ev) noexcept {
   double* blocks = ev.blocks.data();
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
   for_each(plan, acting, [&](const PlanImpulse& own) {
     const Turned t = turn(own, inputs, get_body_frame(ev, own.body));
     add(blocks, ev.places[at(own.body)], &SharedLane::force, {t.linear, cross(t.arm, t.linear) + t.angular});
   });
+  return Source::kBodyForces;
 }
 
 Balance calc_impulses(const PlanData& plan, const Inputs& inputs, std::span<const std::int64_t> acting,

@@ -43,8 +43,8 @@ SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexc
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept;
 
 // Changes the velocities in `ev` and `state` so that the active rows close, by a perfectly plastic impulse, which is
-// left in ev.multipliers, N s and N m s. `ev`: with the kinematics of `state` and, for kBodyForces, with impulses on
-// bodies (impulses.h).
+// left in ev.multipliers, N s and N m s. `ev`: with the kinematics of `state`. `source`: kNothing, or as
+// set_impulses() returns it.
 int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept;
 
 // The parts of an evaluation, each from those before it; Evaluation lists what each computes.
