@@ -118,7 +118,7 @@ class FclTree final : public MeshTree {
     const Eigen::Quaterniond q(obb.axis);
     return build_group({.kind = geometry::ShapeKind::kBox,
                         .from = to_vec3(obb.To),
-                        .size = 2 * to_vec3(obb.extent),
+                        .size = 2.0 * to_vec3(obb.extent),
                         .q_BS = {q.w(), q.x(), q.y(), q.z()}});
   }
 
