@@ -12,6 +12,8 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
+#include "kernel/step/state_copy.h"
+#include "kernel/step/velocities.h"
 #include "unlatch/step.h"
 
 namespace unlatch {
@@ -36,38 +38,6 @@ constexpr double kLeastCorner = 1e-3;
 constexpr double kRounding = 1e-10;
 
 Eigen::Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
-Vec3 to_vec3(const Eigen::Ref<const Eigen::Vector3d>& a) { return {a[0], a[1], a[2]}; }
-
-// Places of the velocities in a vector of all: six of each body other than markers, v in W and w in body axes, then the
-// modal rates.
-class Layout {
- public:
-  explicit Layout(const PlanData& plan) : first_(plan.bodies.size(), kNone) {
-    std::vector<bool> marker(plan.bodies.size(), false);
-    for (const PlanMarker& own : plan.markers) marker[at(own.body)] = true;
-    for (std::size_t b = 0; b < first_.size(); ++b)
-      if (!marker[b]) first_[b] = std::exchange(size_, size_ + 6);
-    for (const PlanFlexible& own : plan.flexible) modal_.push_back(std::exchange(size_, size_ + own.modes));
-  }
-
-  Index size() const { return size_; }
-  Index first(std::size_t body) const { return first_[body]; }  // kNone of a marker
-  Index modal(std::size_t flexible) const { return modal_[flexible]; }
-
- private:
-  std::vector<Index> first_, modal_;
-  Index size_ = 0;
-};
-
-// A state with its own memory.
-struct OwnState {
-  explicit OwnState(const Plan& plan, const State& other)
-      : words(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(words))) {
-    std::ranges::copy(other.get_bytes(), state.get_bytes().begin());
-  }
-  std::vector<std::uint64_t> words;
-  State state;
-};
 
 // The numbers of one state of which differences are taken.
 struct Sample {
@@ -81,11 +51,11 @@ class Linearisation {
         plan_(get_data(owner)),
         state_(state),
         outputs_(outputs),
-        layout_(plan_),
+        velocities_(plan_),
         commands_(commands.begin(), commands.end()),
         memory_(new (std::align_val_t{kAlignment}) std::byte[owner.get_workspace_bytes()]),
         workspace_(owner, {memory_.get(), owner.get_workspace_bytes()}),
-        velocity_(read_velocity(state)) {}
+        velocity_(velocities_.read(state)) {}
 
   std::optional<LinearModel> calc() {
     if (!update(state_)) return std::nullopt;
@@ -134,47 +104,6 @@ class Linearisation {
   // The evaluation of a state: frames, accelerations, sensors; and the factor of the solver.
   bool update(const State& state) { return update_outputs(owner_, {commands_}, state, workspace_) == StepStatus::kOk; }
 
-  VectorXd read_velocity(const State& state) const {
-    VectorXd v(layout_.size());
-    for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
-      v.segment<3>(layout_.first(b)) = to_eigen(state.bodies[b].v);
-      v.segment<3>(layout_.first(b) + 3) = to_eigen(state.bodies[b].w);
-    }
-    for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
-      const PlanFlexible& own = plan_.flexible[i];
-      for (int k = 0; k < own.modes; ++k) v[layout_.modal(i) + k] = state.auxiliary[at(own.auxiliary + own.modes + k)];
-    }
-    return v;
-  }
-  void write_velocity(const VectorXd& v, State& state) const {
-    for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
-      state.bodies[b].v = to_vec3(v.segment<3>(layout_.first(b)));
-      state.bodies[b].w = to_vec3(v.segment<3>(layout_.first(b) + 3));
-    }
-    for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
-      const PlanFlexible& own = plan_.flexible[i];
-      for (int k = 0; k < own.modes; ++k) state.auxiliary[at(own.auxiliary + own.modes + k)] = v[layout_.modal(i) + k];
-    }
-  }
-  // Goes along a velocity for a time: positions, attitudes by rotations about fixed axes, modal coordinates.
-  void move(const VectorXd& v, double time, State& state) const {
-    for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
-      BodyState& body = state.bodies[b];
-      body.p += time * to_vec3(v.segment<3>(layout_.first(b)));
-      const Vec3 turn = time * to_vec3(v.segment<3>(layout_.first(b) + 3));
-      const double half = 0.5 * norm(turn);
-      const double ratio = half < 1e-8 ? 0.5 : std::sin(half) / (2 * half);
-      body.q = normalized(body.q * Quat{std::cos(half), ratio * turn.x, ratio * turn.y, ratio * turn.z});
-    }
-    for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
-      const PlanFlexible& own = plan_.flexible[i];
-      for (int k = 0; k < own.modes; ++k) state.auxiliary[at(own.auxiliary + k)] += time * v[layout_.modal(i) + k];
-    }
-  }
-
   // The nearest velocity, weighted with the masses, at which the rows that hold stay closed.
   bool project_velocity(State& state) {
     get_data(workspace_).kept.valid = false;
@@ -186,7 +115,7 @@ class Linearisation {
   // Accelerations that unit forces bring about, with the rows that hold: symmetric, of rank f; its columns span the
   // directions in which the system is free. At the evaluation of the latest update().
   MatrixXd calc_mobility() {
-    MatrixXd mobility(layout_.size(), layout_.size());
+    MatrixXd mobility(velocities_.size(), velocities_.size());
     double* blocks = ev().blocks.data();
     const auto clear = [&] {
       for (const Place& place : plan_.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
@@ -197,21 +126,21 @@ class Linearisation {
       mobility.col(column) = read_accelerations();
     };
     for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
+      if (velocities_.first(b) == kNone) continue;
       const Mat3 R = read(blocks, ev().places[b], &BodyLane::R);
       for (int i = 0; i < 6; ++i) {
         clear();
         const Vec3 world{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
         const Spatial wrench = i < 3 ? Spatial{world, {0, 0, 0}} : Spatial{{0, 0, 0}, column(R, i - 3)};
         write(blocks, ev().places[b], &SharedLane::force, wrench);
-        solve(layout_.first(b) + i);
+        solve(velocities_.first(b) + i);
       }
     }
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       for (int k = 0; k < plan_.flexible[i].modes; ++k) {
         clear();
         get_work(plan_.flexible[i], ev()).force[k] = 1;
-        solve(layout_.modal(i) + k);
+        solve(velocities_.modal(i) + k);
       }
     }
     return 0.5 * (mobility + mobility.transpose());
@@ -219,17 +148,17 @@ class Linearisation {
 
   // Of the latest solution: dv/dt in W, dw/dt in body axes, second derivatives of modal coordinates.
   VectorXd read_accelerations() {
-    VectorXd a(layout_.size());
+    VectorXd a(velocities_.size());
     for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
+      if (velocities_.first(b) == kNone) continue;
       const Spatial own = ev().get_acceleration(static_cast<int>(b));
       const Mat3 R = read(ev().blocks.data(), ev().places[b], &BodyLane::R);
-      a.segment<3>(layout_.first(b)) = to_eigen(own.lin);
-      a.segment<3>(layout_.first(b) + 3) = to_eigen(transpose_times(R, own.ang));
+      a.segment<3>(velocities_.first(b)) = to_eigen(own.lin);
+      a.segment<3>(velocities_.first(b) + 3) = to_eigen(transpose_times(R, own.ang));
     }
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       const ModalWork work = get_work(plan_.flexible[i], ev());
-      for (int k = 0; k < plan_.flexible[i].modes; ++k) a[layout_.modal(i) + k] = work.acceleration[at(k)];
+      for (int k = 0; k < plan_.flexible[i].modes; ++k) a[velocities_.modal(i) + k] = work.acceleration[at(k)];
     }
     return a;
   }
@@ -237,7 +166,7 @@ class Linearisation {
   // Adds the coefficients of lin · v + ang · w of a body, world axes, to a row of coefficients of the velocities.
   void add_coefficients(int body, const Vec3& lin, const Vec3& ang, Eigen::Ref<Eigen::RowVectorXd> row) {
     if (body == kGround) return;
-    const Index first = layout_.first(at(body));
+    const Index first = velocities_.first(at(body));
     if (first != kNone) {
       const Mat3 R = read(ev().blocks.data(), ev().places[at(body)], &BodyLane::R);
       row.segment<3>(first) += to_eigen(lin).transpose();
@@ -249,21 +178,21 @@ class Linearisation {
     const MarkerWork work = get_marker(own, static_cast<int>(marker - plan_.markers.begin()) - own.first_marker, ev());
     add_coefficients(own.body, lin, ang + cross(*work.arm, lin), row);
     for (int k = 0; k < own.modes; ++k)
-      row[layout_.modal(at(marker->flexible)) + k] += dot(Spatial{lin, ang}, work.columns[at(k)]);
+      row[velocities_.modal(at(marker->flexible)) + k] += dot(Spatial{lin, ang}, work.columns[at(k)]);
   }
 
   // Coefficients of a coordinate's speed in the velocities, at the evaluation of the latest update().
   Eigen::RowVectorXd calc_coefficients(const LinearCoordinate& own) {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(layout_.size());
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(velocities_.size());
     switch (own.kind) {
       case Kind::kPosition:
-        row[layout_.first(at(own.subject)) + own.axis] = 1;
+        row[velocities_.first(at(own.subject)) + own.axis] = 1;
         break;
       case Kind::kAttitude:
-        row[layout_.first(at(own.subject)) + 3 + own.axis] = 1;
+        row[velocities_.first(at(own.subject)) + 3 + own.axis] = 1;
         break;
       case Kind::kModal:
-        row[layout_.modal(find_flexible(own.subject)) + own.axis] = 1;
+        row[velocities_.modal(find_flexible(own.subject)) + own.axis] = 1;
         break;
       case Kind::kJoint: {
         const PlanJoint& joint = plan_.joints[at(own.subject)];
@@ -298,7 +227,7 @@ class Linearisation {
         if (!has_row(rows, r)) all.push_back({Kind::kJoint, static_cast<int>(j), r});
     }
     for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-      if (layout_.first(b) == kNone) continue;
+      if (velocities_.first(b) == kNone) continue;
       for (const Kind kind : {Kind::kPosition, Kind::kAttitude})
         for (int i = 0; i < 3; ++i) all.push_back({kind, static_cast<int>(b), i});
     }
@@ -336,7 +265,7 @@ class Linearisation {
     }
     const Index f = std::ssize(coordinates_);
     MatrixXd gram(f, f);
-    directions_.resize(layout_.size(), f);
+    directions_.resize(velocities_.size(), f);
     for (Index k = 0; k < f; ++k) {
       directions_.col(k) = pushed[static_cast<std::size_t>(k)];
       for (Index l = 0; l <= k; ++l)
@@ -348,7 +277,7 @@ class Linearisation {
 
   // Speeds of the coordinates at a state with this velocity, which need not keep the rows closed.
   std::optional<VectorXd> calc_speeds(State& state, const VectorXd& velocity) {
-    write_velocity(velocity, state);
+    velocities_.write(velocity, state);
     if (!update(state)) return std::nullopt;
     VectorXd speeds(std::ssize(coordinates_));
     for (Index k = 0; k < speeds.size(); ++k)
@@ -402,8 +331,8 @@ class Linearisation {
       if (!is_exact(coordinates_[static_cast<std::size_t>(k)])) turning.push_back(k);
     if (turning.empty() || velocity_.isZero(0)) return out;
     const auto along = [&](const VectorXd& direction, double time, const VectorXd& velocity) {
-      OwnState moved(owner_, state_);
-      move(direction, time, moved.state);
+      StateCopy moved(owner_, state_);
+      velocities_.move(direction, time, moved.state);
       return calc_speeds(moved.state, velocity).value_or(VectorXd::Zero(f));
     };
     const auto differentiate_speeds = [&](const VectorXd& direction, const VectorXd& velocity) -> VectorXd {
@@ -415,12 +344,12 @@ class Linearisation {
     };
     for (Index k = 0; k < f; ++k) {
       const VectorXd direction = directions_.col(k);
-      VectorXd carried = VectorXd::Zero(layout_.size());  // N Z
+      VectorXd carried = VectorXd::Zero(velocities_.size());  // N Z
       for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
-        if (layout_.first(b) == kNone) continue;
-        const Eigen::Vector3d w = velocity_.segment<3>(layout_.first(b) + 3);
-        carried.segment<3>(layout_.first(b) + 3) =
-            -w.cross(Eigen::Vector3d(direction.segment<3>(layout_.first(b) + 3)));
+        if (velocities_.first(b) == kNone) continue;
+        const Eigen::Vector3d w = velocity_.segment<3>(velocities_.first(b) + 3);
+        carried.segment<3>(velocities_.first(b) + 3) =
+            -w.cross(Eigen::Vector3d(direction.segment<3>(velocities_.first(b) + 3)));
       }
       const VectorXd sum = differentiate_speeds(velocity_, direction) + along(direction, 0, carried) -
                            differentiate_speeds(direction, velocity_);
@@ -444,25 +373,25 @@ class Linearisation {
   // The state with coordinate or speed number k changed by `width`; the others, and the rows that hold, stay.
   std::optional<Sample> deviate(Index k, double width) {
     const Index f = std::ssize(coordinates_);
-    OwnState other(owner_, state_);
+    StateCopy other(owner_, state_);
     if (k >= f) {
-      write_velocity(velocity_ + width * directions_.col(k - f), other.state);
+      velocities_.write(velocity_ + width * directions_.col(k - f), other.state);
       return sample(other.state);
     }
-    move(directions_.col(k), width, other.state);
+    velocities_.move(directions_.col(k), width, other.state);
     if (velocity_.isZero(0)) return sample(other.state);
     for (int pass = 0; pass < 2; ++pass) {
       if (!project_velocity(other.state)) return std::nullopt;
-      const VectorXd projected = read_velocity(other.state);
+      const VectorXd projected = velocities_.read(other.state);
       const std::optional<VectorXd> speeds = calc_speeds(other.state, projected);
       if (!speeds) return std::nullopt;
-      write_velocity(projected + directions_ * (calc_own_speeds() - *speeds), other.state);
+      velocities_.write(projected + directions_ * (calc_own_speeds() - *speeds), other.state);
     }
     return sample(other.state);
   }
   const VectorXd& calc_own_speeds() {
     if (own_speeds_.size() == 0) {
-      OwnState same(owner_, state_);
+      StateCopy same(owner_, state_);
       own_speeds_ = calc_speeds(same.state, velocity_).value_or(VectorXd::Zero(std::ssize(coordinates_)));
     }
     return own_speeds_;
@@ -501,7 +430,7 @@ class Linearisation {
   const PlanData& plan_;
   const State& state_;
   const LinearOutputs& outputs_;
-  const Layout layout_;
+  const Velocities velocities_;
   std::vector<double> commands_;
   std::unique_ptr<std::byte[], Free> memory_;
   Workspace workspace_;
