@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "hil/study/campaign/campaign.h"
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

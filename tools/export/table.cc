@@ -137,7 +137,41 @@ class TableSink final : public Sink {
   std::optional<Table> table_;
 };
 
+template <class Line>
+void write_touches(const std::vector<hil::ContactRecord>& contacts, const hil::LogHeader& header, std::FILE* file) {
+  const std::vector<Column> columns = {
+      {"contact", "1", "text"}, {"shapes", "1", "text"}, {"t", "s"},      {"lift", "s", "number", true},
+      {"duration", "s"},        {"peak_force", "N"},     {"peak_t", "s"}, {"depth", "m"},
+      {"impulse", "N s"}};
+  put_head(columns, header, file, Line());
+  for (const hil::ContactRecord& contact : contacts)
+    for (const hil::Touch& touch : contact.list) {
+      Line line;
+      line.text(contact.name);
+      std::string shapes;
+      for (const std::string& pair : touch.pairs) shapes += (shapes.empty() ? "" : "; ") + pair;
+      line.text(shapes);
+      line.number(touch.time);
+      if (touch.lift)
+        line.number(*touch.lift);
+      else
+        line.nothing();
+      for (const double value : {touch.duration, touch.peak_force, touch.peak_time, touch.depth, touch.impulse})
+        line.number(value);
+      line.put(file);
+    }
+}
+
 }  // namespace
+
+void write_touches_as_csv(const std::vector<hil::ContactRecord>& contacts, std::FILE* file) {
+  write_touches<CsvLine>(contacts, {}, file);
+}
+
+void write_touches_as_table(const std::vector<hil::ContactRecord>& contacts, const hil::LogHeader& header,
+                            std::FILE* file) {
+  write_touches<JsonLine>(contacts, header, file);
+}
 
 std::unique_ptr<Sink> build_csv_sink(std::FILE* file) { return std::make_unique<TableSink<CsvLine>>(file); }
 std::unique_ptr<Sink> build_table_sink(std::FILE* file) { return std::make_unique<TableSink<JsonLine>>(file); }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 
 namespace unlatch::tools {
 

@@ -40,10 +40,10 @@ void DispersedPoint::keep(std::int64_t sample, const SampleResult& result) {
   }
 }
 
-double DispersedPoint::calc_margin(std::size_t constraint) const {
+double DispersedPoint::calc_margin(std::size_t constraint, double part) const {
   std::vector<double> sorted = margins_[constraint];
   std::sort(sorted.begin(), sorted.end());
-  const double margin = calc_quantile(sorted, 1 - problem_.constraints[constraint].probability);
+  const double margin = calc_quantile(sorted, 1 - part);
   return std::isfinite(margin) ? margin : std::nan("");
 }
 
@@ -60,10 +60,10 @@ std::int64_t DispersedPoint::count_failures(std::size_t constraint) const {
 
 std::int64_t DispersedPoint::count_unresolved() const { return std::ranges::count(unresolved_, char{1}); }
 
-std::optional<Interval> DispersedPoint::calc_margin_interval(std::size_t constraint) const {
+std::optional<Interval> DispersedPoint::calc_margin_interval(std::size_t constraint, double part) const {
   std::vector<double> sorted = margins_[constraint];
   std::sort(sorted.begin(), sorted.end());
-  return calc_quantile_interval(sorted, 1 - problem_.constraints[constraint].probability);
+  return calc_quantile_interval(sorted, 1 - part);
 }
 
 bool has_probabilities(const OptimizeProblem& problem) {

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 #include "hil/study/statistics/statistics.h"
 
 namespace unlatch::hil {
@@ -22,11 +22,11 @@ class DispersedPoint {
 
   // Margin of a constraint with a probability, after all samples: the margin that this part of them reaches; NaN if it
   // depends on a sample without a result.
-  [[nodiscard]] double calc_margin(std::size_t constraint) const;
+  [[nodiscard]] double calc_margin(std::size_t constraint, double part) const;
   // Limit of a constraint with a probability in the campaign's scenario with this design.
   [[nodiscard]] double get_limit(std::size_t constraint) const;
   // Interval of that margin, 95 %; nothing: there are too few samples for one.
-  [[nodiscard]] std::optional<Interval> calc_margin_interval(std::size_t constraint) const;
+  [[nodiscard]] std::optional<Interval> calc_margin_interval(std::size_t constraint, double part) const;
   // Samples that fail a constraint, without the unresolved ones, which may fail it or not.
   [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
   [[nodiscard]] std::int64_t count_unresolved() const;

@@ -32,6 +32,8 @@ std::string quote_cell(const std::string& text) {
 // Heading of the journal's columns.
 std::string write_heading(const OptimizeProblem& problem) {
   std::string text = has_probabilities(problem) ? "run,status,hash,samples" : "run,status,hash";
+  for (const OptimizeConstraint& constraint : problem.constraints)
+    if (constraint.probability > 0) text += "," + quote_cell(constraint.name + ".part");
   const auto add = [&](const std::string& name, const std::string& unit) {
     text += "," + quote_cell(name + (unit.empty() ? "" : " [" + unit + "]"));
   };
@@ -48,7 +50,7 @@ void set_margins(const OptimizeProblem& problem, const DispersedPoint& design, O
   for (std::size_t k = 0; k < problem.constraints.size(); ++k) {
     const OptimizeConstraint& constraint = problem.constraints[k];
     if (!(constraint.probability > 0)) continue;
-    const double margin = design.calc_margin(k);
+    const double margin = design.calc_margin(k, sample.demand.parts[k]);
     sample.margins[k] = margin;
     sample.values[k] = design.get_limit(k) + (constraint.at_least ? margin : -margin);
   }
@@ -69,7 +71,7 @@ class OptimizeEvaluations::Batch {
   Batch(OptimizeEvaluations& owner, const std::vector<OptimizePoint>& points)
       : samples(points.size()), owner_(owner), first_(owner.samples_.size()), done_(points.size()) {
     for (std::size_t i = 0; i < points.size(); ++i) samples[i].point = points[i];
-    for (OptimizeSample& sample : samples) sample.flights = owner.flights_;
+    for (OptimizeSample& sample : samples) sample.demand = owner.demand_;
   }
 
   // Marks sample i as complete. Threads may finish different ones at a time. Throws JournalError.
@@ -99,7 +101,7 @@ OptimizeEvaluations::OptimizeEvaluations(const OptimizeProblem& problem, const O
       options_(options),
       stop_(stop),
       progress_(std::move(progress)),
-      flights_(has_probabilities(problem) ? problem.campaign->samples : 0),
+      demand_(get_first_demand(problem)),
       limit_(problem.budget.runs) {
   if (options_.journal.empty()) return;
   const std::string heading = write_heading(problem_);
@@ -140,14 +142,18 @@ void OptimizeEvaluations::read_journal(const std::string& heading) {
     std::istringstream line(text.substr(at, end - at));
     std::vector<std::string> cells;
     for (std::string cell; std::getline(line, cell, ',');) cells.push_back(cell);
-    const std::size_t ahead = has_probabilities(problem_) ? 4 : 3;
+    std::vector<std::size_t> parts;  // constraints with a probability
+    for (std::size_t i = 0; i < k; ++i)
+      if (problem_.constraints[i].probability > 0) parts.push_back(i);
+    const std::size_t ahead = parts.empty() ? 3 : 4 + parts.size();
     cells.resize(ahead + n + m + 2 * k);  // the last may be empty
     OptimizeSample sample;
     const auto status = std::find(kSampleStatusNames.begin(), kSampleStatusNames.end(), cells[1]);
     if (status == kSampleStatusNames.end()) return;
     sample.status = static_cast<SampleStatus>(status - kSampleStatusNames.begin());
     sample.hash = static_cast<std::int64_t>(std::strtoull(cells[2].c_str(), nullptr, 16));
-    if (ahead == 4) sample.flights = static_cast<std::int64_t>(read_cell(cells[3]));
+    if (!parts.empty()) sample.demand = {static_cast<std::int64_t>(read_cell(cells[3])), std::vector<double>(k, 0.0)};
+    for (std::size_t i = 0; i < parts.size(); ++i) sample.demand.parts[parts[i]] = read_cell(cells[4 + i]);
     std::size_t cell = ahead;
     for (std::size_t i = 0; i < n; ++i) sample.point.push_back(read_cell(cells[cell++]));
     for (std::size_t i = 0; i < m; ++i) sample.objectives.push_back(read_cell(cells[cell++]));
@@ -162,7 +168,9 @@ std::string OptimizeEvaluations::write_row(const OptimizeSample& sample, std::si
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(sample.hash));
   std::string row =
       std::to_string(number) + "," + kSampleStatusNames[static_cast<std::size_t>(sample.status)] + "," + hash;
-  if (has_probabilities(problem_)) row += "," + std::to_string(sample.flights);
+  if (has_probabilities(problem_)) row += "," + std::to_string(sample.demand.flights);
+  for (const double part : sample.demand.parts)
+    if (part > 0) row += "," + to_text(part);
   for (const std::vector<double>* const list : {&sample.point, &sample.objectives, &sample.values, &sample.margins})
     for (const double value : *list) row += "," + (std::isnan(value) ? std::string() : to_text(value));
   return row + "\n";
@@ -254,13 +262,13 @@ void OptimizeEvaluations::compute_dispersed(Batch& batch) {
     OptimizeSample& sample = batch.samples[i];
     try {
       if (sample.status != SampleStatus::kInvalid)
-        designs[i] = std::make_unique<DispersedPoint>(problem_, sample.point, OptimizeFlights{flights_});
+        designs[i] = std::make_unique<DispersedPoint>(problem_, sample.point, OptimizeFlights{demand_.flights});
     } catch (const ScenarioError&) {
       sample.status = SampleStatus::kInvalid;  // its constraints have no value
     }
     if (!designs[i]) batch.finish(i);
   });
-  const auto flights = static_cast<std::size_t>(flights_);
+  const auto flights = static_cast<std::size_t>(demand_.flights);
   std::vector<std::atomic<std::size_t>> left(count);
   for (std::atomic<std::size_t>& one : left) one = flights;
   const auto fly = [&](std::size_t design, std::size_t first, std::size_t number) {
@@ -325,10 +333,20 @@ std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const Optimiz
 std::vector<std::optional<Interval>> OptimizeEvaluations::calc_margin_intervals(const OptimizePoint& point) const {
   std::vector<std::optional<Interval>> intervals(problem_.constraints.size());
   const std::unique_ptr<const DispersedPoint> design =
-      has_probabilities(problem_) ? fly(point, {flights_, 0}) : nullptr;
+      has_probabilities(problem_) ? fly(point, {demand_.flights, 0}) : nullptr;
   for (std::size_t k = 0; k < intervals.size() && design; ++k)
-    if (problem_.constraints[k].probability > 0) intervals[k] = design->calc_margin_interval(k);
+    if (problem_.constraints[k].probability > 0) intervals[k] = design->calc_margin_interval(k, demand_.parts[k]);
   return intervals;
+}
+
+std::optional<std::vector<std::int64_t>> OptimizeEvaluations::count_failures(const OptimizePoint& point,
+                                                                             std::int64_t flights) const {
+  const std::unique_ptr<const DispersedPoint> design = fly(point, {flights, 0});
+  if (!design) return std::nullopt;
+  std::vector<std::int64_t> failures(problem_.constraints.size());
+  for (std::size_t k = 0; k < failures.size(); ++k)
+    if (problem_.constraints[k].probability > 0) failures[k] = design->count_failures(k) + design->count_unresolved();
+  return failures;
 }
 
 // Takes results from the journal, which has the same points in the same order, as far as it reaches. Keeps in `points`
@@ -337,7 +355,7 @@ void OptimizeEvaluations::take_known(std::vector<OptimizePoint>& points) {
   std::size_t taken = 0;
   for (; taken < points.size() && samples_.size() < known_.size(); ++taken) {
     const Known& known = known_[samples_.size()];
-    if (known.sample.point != points[taken] || known.sample.flights != flights_) break;
+    if (known.sample.point != points[taken] || known.sample.demand != demand_) break;
     written_ = known.end;
     samples_.push_back(known.sample);
   }
@@ -351,23 +369,23 @@ bool OptimizeEvaluations::evaluate(const std::vector<OptimizePoint>& points, std
   std::vector<OptimizePoint> batch;
   bool complete = true;
   for (const OptimizePoint& point : points) {
-    if (index_.count({flights_, point}) != 0) continue;
+    if (index_.count({demand_, point}) != 0) continue;
     if (get_runs() + static_cast<std::int64_t>(batch.size()) >= limit_ || is_late()) {
       complete = false;
       break;
     }
-    index_[{flights_, point}] = get_runs() + static_cast<std::int64_t>(batch.size());
+    index_[{demand_, point}] = get_runs() + static_cast<std::int64_t>(batch.size());
     batch.push_back(point);
   }
   take_known(batch);
   const std::size_t first = samples_.size();
   if (!batch.empty()) compute(batch);
   for (std::size_t left = samples_.size() - first; left < batch.size(); ++left) {
-    index_.erase({flights_, batch[left]});
+    index_.erase({demand_, batch[left]});
     complete = false;
   }
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (const auto found = index_.find({flights_, points[i]}); found != index_.end()) indices[i] = found->second;
+    if (const auto found = index_.find({demand_, points[i]}); found != index_.end()) indices[i] = found->second;
   return complete;
 }
 

@@ -14,8 +14,10 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "hil/study/optimize/demand.h"
 #include "hil/study/optimize/dispersion.h"
 
 namespace unlatch::hil {
@@ -27,7 +29,7 @@ struct OptimizeSample {
   std::vector<double> objectives;  // SI, as defined in the file: not negated
   std::vector<double> values;      // values of the constraints, in their units; with a probability: the quantile
   std::vector<double> margins;     // below 0: not met; NaN: the run has none
-  std::int64_t flights = 0;        // dispersed samples behind them; 0: no constraint has a probability
+  OptimizeDemand demand;           // of its search
 };
 
 // A design flown with samples that no search has seen, and the verdict on each constraint with a probability: by the
@@ -81,10 +83,14 @@ class OptimizeEvaluations {
   static constexpr std::int64_t kMoreChecks = 16;
   // Intervals of the margins of the constraints with a probability, by the samples of the search.
   [[nodiscard]] std::vector<std::optional<Interval>> calc_margin_intervals(const OptimizePoint& point) const;
+  // Samples of the search, so many, that fail each constraint with a probability, with the unresolved ones. Nothing:
+  // the design has a mistake, or `stop` was set.
+  [[nodiscard]] std::optional<std::vector<std::int64_t>> count_failures(const OptimizePoint& point,
+                                                                        std::int64_t flights) const;
 
-  // Sets the number of dispersed samples of the designs to come; those with another number are other samples.
-  void set_flights(std::int64_t samples) { flights_ = samples; }
-  [[nodiscard]] std::int64_t get_flights() const { return flights_; }
+  // Sets what is asked of the designs to come; those with another demand are other samples.
+  void set_demand(OptimizeDemand demand) { demand_ = std::move(demand); }
+  [[nodiscard]] const OptimizeDemand& get_demand() const { return demand_; }
 
   // Removes from the journal rows that this search did not use. Call it only if the search was not stopped.
   void finish_journal();
@@ -128,8 +134,8 @@ class OptimizeEvaluations {
   const std::function<void()> progress_;
   std::vector<OptimizeSample> samples_;
   std::vector<Known> known_;
-  std::map<std::pair<std::int64_t, OptimizePoint>, std::int64_t> index_;  // by flights and point
-  std::int64_t flights_ = 0;
+  std::map<std::pair<OptimizeDemand, OptimizePoint>, std::int64_t> index_;
+  OptimizeDemand demand_;
   std::int64_t limit_ = 0, taken_ = 0;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   bool shown_ = true;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/scenario/modules/module.h"
+#include "hil/study/optimize/confirmation.h"
 #include "hil/study/optimize/scaled_space.h"
 #include "hil/study/optimize/study.h"
 #include "hil/study/sampling/sampling.h"
@@ -35,55 +36,51 @@ class Search {
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
     confirm(found);
+    result_.late = evaluations_.is_late();
     if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
     if (!evaluations_.was_stopped()) evaluations_.finish_journal();
     return result_;
   }
 
  private:
-  // Flies the result with fresh samples. Where they refute it, or do not confirm that the nearest point misses its
-  // probability, the search had too few: it goes on from there with four times as many, and as many runs again.
+  // Flies the result with fresh samples. Where they do not confirm the search's verdict, it goes on from there with the
+  // next demand, and as many runs again. A result that is neither confirmed nor refuted stays if that finds none.
   void confirm(const std::function<void(const OptimizePoint&)>& found) {
     if (!has_probabilities(problem_)) return;
-    result_.flights = evaluations_.get_flights();
+    result_.flights = evaluations_.get_demand().flights;
     for (std::uint64_t round = 0; !evaluations_.was_stopped(); ++round) {
       const OptimizePoint best = evaluations_.get_samples()[result_.best].point;
       found(best);
       result_.check = evaluations_.check_dispersed(best, round);
-      const bool more = evaluations_.get_flights() < problem_.campaign->most && problem_.objectives.size() == 1;
-      if (!more || evaluations_.is_late() || !needs_more_samples()) break;
-      evaluations_.set_flights(std::min(kGrowth * evaluations_.get_flights(), problem_.campaign->most));
-      if (!search_again(best)) break;
-      take_best();
+      if (!result_.check || problem_.objectives.size() > 1 || evaluations_.is_late() || round >= kRounds) break;
+      if (!result_.feasible && result_.against.empty()) break;  // a result is missing, no constraint
+      const std::optional<OptimizeDemand> next = choose_demand(
+          problem_, evaluations_, evaluations_.get_samples()[result_.best], result_.against, *result_.check);
+      if (!next) break;
+      const OptimizeResult before = result_;
+      const OptimizeDemand demand = evaluations_.get_demand();
+      evaluations_.set_demand(*next);
+      const bool flown = search_again(best);
+      if (flown) take_best();
+      const bool keeps = before.feasible && !before.check->has(DispersedCheck::Verdict::kRefuted);
+      if (flown && (result_.feasible || !keeps)) continue;
+      result_ = before;
+      result_.search_runs = evaluations_.get_runs();
+      if (evaluations_.was_stopped()) result_.end = OptimizeResult::End::kStopped;
+      evaluations_.set_demand(demand);
+      break;
     }
     if (!evaluations_.was_stopped())
       result_.intervals = evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
   }
 
-  // The search's verdict on its best point is not that of the fresh samples.
-  [[nodiscard]] bool needs_more_samples() const {
-    using Verdict = DispersedCheck::Verdict;
-    if (!result_.check) return false;
-    if (result_.feasible) return result_.check->has(Verdict::kRefuted);
-    const OptimizeSample& best = evaluations_.get_samples()[result_.best];
-    for (std::size_t i = 0; i < problem_.constraints.size(); ++i) {
-      if (best.margins.size() <= i || best.margins[i] >= 0) continue;
-      if (!std::isfinite(best.margins[i]) || !(problem_.constraints[i].probability > 0)) return false;
-      if (result_.check->constraints[i].verdict == Verdict::kRefuted) return false;
-    }
-    return std::isfinite(best.objectives.empty() ? 0.0 : best.objectives[0]);
-  }
-
-  // Searches around a point with more dispersed samples. False: not even that point was flown.
+  // Searches around a point with another demand. False: not even that point was flown.
   bool search_again(const OptimizePoint& from) {
     end_ = evaluations_.get_runs() + problem_.budget.runs;
     evaluations_.set_limit(end_);
     std::vector<std::int64_t> first;
-    if (!evaluations_.evaluate({from}, first)) {
-      evaluations_.set_flights(result_.flights);
-      return false;
-    }
-    result_.flights = evaluations_.get_flights();
+    if (!evaluations_.evaluate({from}, first)) return false;
+    result_.flights = evaluations_.get_demand().flights;
     result_.check.reset();
     whole_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
     least_violation_ = HUGE_VAL;
@@ -417,7 +414,7 @@ class Search {
     result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
   }
 
-  static constexpr std::int64_t kGrowth = 4;      // of the dispersed samples
+  static constexpr std::uint64_t kRounds = 8;     // of other demands, at most
   static constexpr double kLargest = 10;          // largest violation in the range of t
   static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
   static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start

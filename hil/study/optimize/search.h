@@ -26,6 +26,7 @@ struct OptimizeResult {
   End end = End::kConverged;
   SearchMethod method = SearchMethod::kLocal;  // the method that was used
   bool exhaustive = false;                     // all combinations of the catalogues were tried
+  bool late = false;                           // the search has used up the budget's seconds
   bool feasible = false;
   bool settled = false;               // no point meets all constraints: the search of the least violation has converged
   std::size_t best = 0;               // index of the optimum, or of the least violation

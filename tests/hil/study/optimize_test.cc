@@ -9,8 +9,11 @@
 
 #include "hil/scenario/modules/module.h"
 #include "hil/study/evaluation/side_by_side.h"
+#include "hil/study/optimize/demand.h"
 #include "hil/study/optimize/evaluations.h"
 #include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/statistics/binomial.h"
+#include "hil/study/statistics/statistics.h"
 
 namespace unlatch::test {
 namespace {
@@ -281,4 +284,20 @@ TEST_F(OptimizeJournal, AFullDiskIsThrown) {
 }
 
 }  // namespace
+// --- Probabilities ---------------------------------------------------------------------------------------------------
+
+// A design whose probability of failure is the confirmable one is confirmed by almost all sets of samples: the count of
+// failures is within two deviations of its mean with 97.7 % probability.
+TEST(OptimizeDemand, WhatIsConfirmableIsConfirmedByAlmostAllSamples) {
+  for (const double allowed : {0.01, 0.1, 0.45})
+    for (const std::int64_t samples : {400, 4096, 32000}) {
+      const double p = hil::calc_confirmable(allowed, samples);
+      EXPECT_LT(p, allowed);
+      if (p == 0) continue;
+      const std::int64_t most = hil::calc_binomial_quantile(0.97, samples, p);
+      EXPECT_LE(hil::calc_clopper_pearson(most, samples).high, allowed) << allowed << " of " << samples;
+    }
+  EXPECT_EQ(hil::calc_confirmable(0.01, 100), 0);  // not even no failure at all shows it: 1 - 0.025^(1/100) = 0.036
+}
+
 }  // namespace unlatch::test

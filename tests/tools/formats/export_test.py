@@ -124,6 +124,39 @@ class ExportTest(ProcessTest):
         self.assertEqual([read["last"][f"core.a{axis} [m/s2]"] for axis in "xyz"], self.last["bodies"]["core"]["a"])
         self.assertEqual(read["last"]["nose1.mode"], self.last["reactions"]["nose1"]["mode"])
 
+    # A ball that bounces twice and is in its third touch at the end.
+    def test_touches_are_numbers_in_every_export(self):
+        path = self.folder / "bounce.yaml"
+        path.write_text("""unlatch: 1
+name: bounce
+step: {dt: 1 ms, until: 0.94}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, box: {centre: [0, 0, -0.5], size: [9, 9, 1]}}]}
+bodies: {ball: {mass: 2, inertia: [0.1, 0.1, 0.1], position: [0, 0, 0.2], shape: [{name: skin, sphere: {radius: 0.1}}]}}
+contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping: 0.3}}
+""")
+        report = self.run_json(UNLATCH, "run", path, "--log", self.log)
+        touches = report["contacts"][0]["each"]
+        self.assertGreater(len(touches), 1)
+        keys = ("t", "lift", "duration", "peak_force", "peak_t", "depth", "impulse")
+        expected = [{key: touch[key] for key in keys} for touch in touches]
+        lines = [json.loads(line) for line in self.export("json").read_text().splitlines()]
+        self.assertEqual([{key: line[key] for key in keys} for line in lines if line["kind"] == "touch"], expected)
+        self.export("csv")
+        with open(self.folder / "out.touches.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        units = dict(zip(keys, ("s", "s", "s", "N", "s", "m", "N s")))
+        read = lambda cell: None if cell == "" else float(cell)
+        self.assertEqual([{key: read(row[f"{key} [{unit}]"]) for key, unit in units.items()} for row in rows], expected)
+        shown = self.read_with_node(self.export("mcap"))
+        self.assertEqual(shown["counts"]["/touches"], len(touches))
+        self.assertEqual({key: shown["last"]["/touches"][key] for key in keys}, expected[-1])
+        self.export("parquet")
+        table = self.read_with_node(self.folder / "out.touches.parquet")
+        self.assertEqual((table["rows"], table["units"]["impulse [N s]"]), (len(touches), "N s"))
+        self.assertEqual({key: table["last"].get(f"{key} [{unit}]") for key, unit in units.items()}, expected[-1])
+        self.assertEqual(table["last"]["shapes"], "ball.skin – ground.floor")
+
     def test_groups_of_outputs_go_out_at_their_own_rates(self):
         rows = list(csv.DictReader(self.export("csv", "--outputs", "core.velocity@100,nose1.*@4Hz").read_text().splitlines()))
         self.assertEqual([int(row["tick"]) for row in rows], [0, 100, 200, 250, 300, 400, 500, 600, 700, 750, 800])

@@ -4,6 +4,7 @@
     verdict_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
 
+import csv
 import json
 import re
 
@@ -138,12 +139,26 @@ class VerdictTest(ProcessTest):
         self.assertEqual(cases["waits"].result[0].type, "not evaluated")
         self.assertGreater(cases["run"].time, 0)  # wall time
         self.assertEqual(suites[0].time, cases["run"].time)
+        # A requirement has no time of its own: all of the suite's is that of the run which all of them judge.
+        self.assertEqual([case.time for case in suites[0] if case.name != "run"], [None] * 3)
         again = self.folder / "again.xml"
         timeless = lambda file: re.sub(r'time="[0-9.]+"', "", file.read_text())
         self.run_ok(UNLATCH, "replay", log, "--junit", again, code=1)
         self.assertEqual(timeless(out), timeless(again))
         self.run_ok(UNLATCH, "hil", path, "--transport", "inproc", "--pace", "fast", "--junit", again, code=1)
         self.assertEqual(timeless(out), timeless(again))
+
+    # Half a second of simulated time takes half a second on the wall at the pace of real time, and a replay does not.
+    def test_the_time_in_junit_is_that_of_the_wall(self):
+        path, out, log = self.write(SCENARIO + MISSED), self.folder / "out.xml", self.folder / "run.log"
+        self.run_ok(UNLATCH, "hil", path, "--transport", "inproc", "--pace", "realtime", "--until", "0.5", "--junit", out, "--log", log, code=None)
+        suite = next(iter(JUnitXml.fromfile(str(out))))
+        self.assertGreaterEqual(suite.time, 0.5)
+        self.assertEqual([case.time for case in suite], [suite.time] + [None] * (suite.tests - 1))
+        self.run_ok(UNLATCH, "replay", log, "--junit", out, code=None)
+        again = next(iter(JUnitXml.fromfile(str(out))))
+        self.assertGreater(again.time, 0)
+        self.assertEqual([case.time for case in again], [again.time] + [None] * (again.tests - 1))
 
     def test_a_fault_is_an_error_in_junit(self):
         path, out = self.write(SCENARIO.replace("velocity: [2, 0, 0]", "velocity: [2, 0, 0], rate: [1e200, 1e200, 0]")), self.folder / "out.xml"
@@ -212,6 +227,18 @@ clearance: [[sat.left, ground]]
         self.assertEqual([line.get("shapes") for line in lines if line["kind"] == "event" and line["name"] == "touch"],
                          [event["shapes"] for event in touched])
         self.assertEqual([shape["name"] for shape in lines[0]["ground"]], ["floor"])
+        # The tables have the touches in a table of their own, with the numbers of the report to the bit.
+        self.run_ok(UNLATCH, "export", log, "--format", "csv", "--every", "500", "--out", self.folder / "feet.csv")
+        with open(self.folder / "feet.touches.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        columns = {"t [s]": "t", "duration [s]": "duration", "peak_force [N]": "peak_force", "peak_t [s]": "peak_t", "depth [m]": "depth", "impulse [N s]": "impulse"}
+        self.assertEqual([{key: float(row[column]) for column, key in columns.items()} for row in rows],
+                         [{key: touch[key] for key in columns.values()} for touch in contact["each"]])
+        self.assertEqual([row["lift [s]"] for row in rows if row["lift [s]"] == ""], ["" for touch in contact["each"] if touch["lift"] is None])
+        self.assertEqual([row["shapes"].split("; ") for row in rows], [touch["shapes"] for touch in contact["each"]])
+        self.assertEqual({row["contact"] for row in rows}, {"feet"})
+        said = self.run_ok(UNLATCH, "export", log, "--format", "csv", "--every", "500", "--out", "-").stderr
+        self.assertIn("second table", said)
 
     # The same flight beside a dummy body welded to the ground.
     def test_shapes_of_the_ground_are_those_of_a_welded_body(self):

@@ -10,7 +10,9 @@ byId('facts').textContent = `${result.runs} runs of the search and ${result.stud
 const verdicts = {
   optimal: 'The search has converged: all constraints are met.', budget: 'The budget is spent: all constraints are met; a longer search may find better.',
   infeasible: 'No point meets all constraints. Shown is the point of the least violation.',
-  'not-found': 'No feasible point was found within the budget: raise it. Shown is the point of the least violation.', undecided: 'The samples of the search are too few to decide: other samples do not show that the point misses the probability. Raise campaign.samples.', interrupted: 'The search was interrupted. Shown is the best so far.',
+  'not-found': 'No feasible point was found within the budget: raise it. Shown is the point of the least violation.', undecided: result.violation ? 'The samples of the search are too few to decide: other samples do not show that the point misses the probability. Raise campaign.samples.'
+    : 'The search has ended, and samples that it had not seen neither confirm nor refute the result. Raise campaign.checks, campaign.samples and campaign.most, or lower the probability.',
+  unresolved: 'The step does not resolve the nearest point: it neither meets nor misses the constraints. Make the step smaller.', interrupted: 'The search was interrupted. Shown is the best so far.',
   refuted: 'The search has ended, and samples that it had not seen refute the result: it does not meet all constraints.', unverified: 'The search has ended, and its result is not verified.',
 };
 byId('verdict').append(make('span', verdicts[result.status] ?? result.status, { class: ['optimal', 'budget'].includes(result.status) ? 'good' : 'bad' }));
@@ -36,7 +38,7 @@ if (sensitive.length > 0) {
 }
 
 const verification = result.verification ?? {};
-const verdictTexts = { confirmed: 'met', open: 'neither shown nor refuted', refuted: 'NOT MET' };
+const verdictTexts = { confirmed: 'met', open: 'neither confirmed nor refuted', refuted: 'NOT MET' };
 byId('verification').textContent = verification.hash === undefined ? (verification.finished === false && result.status !== 'infeasible' ? 'Not finished: the result was not flown once more to the end.' : 'The result was not flown once more.') :
   `patch.yaml was read anew and flown once more: ${verification.met ? 'all constraints are met' : 'not all constraints are met'}, ${verification.same_bits ? 'with the same bits' : 'with OTHER bits'} (hash ${verification.hash}).` +
   (verification.dispersed ?? []).map((d) => ` ${d.id}: ${d.failed} of ${d.samples} samples that the search had not seen fail, probability ${show(d.probability[0], 3)} to ${show(d.probability[1], 3)} (95 %), at most ${show(d.allowed, 3)} is allowed: ${verdictTexts[d.verdict]}.`).join('') +

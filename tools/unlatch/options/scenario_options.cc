@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "hil/run/run.h"
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/options/scenario_notes.h"
 

@@ -42,11 +42,11 @@ void check_destination(const ExportOptions& options) {
 // The file, or the pipe to its writer.
 class Destination {
  public:
-  explicit Destination(const ExportOptions& options) : path_(options.out) {
-    if (needs_node(options.format)) {
-      node_.emplace(options.format, std::filesystem::absolute(options.out).string());
+  Destination(const std::string& format, const std::string& path) : path_(path) {
+    if (needs_node(format)) {
+      node_.emplace(format, std::filesystem::absolute(path).string());
     } else {
-      file_.reset(options.out == "-" ? stdout : std::fopen(options.out.c_str(), "wb"));
+      file_.reset(path == "-" ? stdout : std::fopen(path.c_str(), "wb"));
       if (!file_) throw OutputError(path_ + ": cannot be created: " + std::strerror(errno));
     }
   }
@@ -93,6 +93,25 @@ std::vector<hil::SelectedOutputs> choose_groups(const ExportOptions& options, co
   return keep_bodies(std::move(selected), scenario, list, options.bodies);
 }
 
+// The touches of a run whose ticks are a table, beside it: run.csv has run.touches.csv.
+void write_touch_table(const ExportOptions& options, const std::vector<hil::ContactRecord>& contacts,
+                       const hil::LogHeader& header) {
+  if (contacts.empty() || (options.format != "csv" && options.format != "parquet")) return;
+  if (options.out == "-") {
+    std::fprintf(stderr, "note: the touches of contacts are a second table, which needs a file: give --out FILE\n");
+    return;
+  }
+  std::filesystem::path path = options.out;
+  path.replace_extension(".touches" + path.extension().string());
+  Destination destination(options.format, path.string());
+  if (options.format == "csv")
+    write_touches_as_csv(contacts, destination.get_stream());
+  else
+    write_touches_as_table(contacts, header, destination.get_stream());
+  destination.finish();
+  std::fprintf(stderr, "%s: the touches of contacts\n", path.string().c_str());
+}
+
 int write_fmu(const ExportOptions& options) {
   if (!options.format.empty() || !options.out.empty())
     refuse_option("--fmu", "the FMU is the output; --format and --out are for recordings");
@@ -137,7 +156,7 @@ int run(const ExportOptions& options) {
   } catch (const std::invalid_argument& error) {
     refuse_option("--bodies", error.what());
   }
-  Destination destination(options);
+  Destination destination(options.format, options.out);
   const auto sink = build_sink(options.format, destination.get_stream());
   sink->begin(*selection, recording.header);
 
@@ -152,12 +171,14 @@ int run(const ExportOptions& options) {
       });
   progress.clear();
   if (selection->look_at_end()) sink->add_tick(*selection);
-  if (analysis)
-    for (const hil::ContactRecord& contact : analysis->list_contacts()) sink->add_contact(contact);
+  const std::vector<hil::ContactRecord> contacts =
+      analysis ? analysis->list_contacts() : std::vector<hil::ContactRecord>();
+  for (const hil::ContactRecord& contact : contacts) sink->add_contact(contact);
   const std::string status = describe_status(recording, result);
   const std::string why = recording.end ? recording.end->message : recording.shortfall;
   sink->end({status, why, to_hex(simulation.calc_hash())});
   destination.finish();
+  write_touch_table(options, contacts, recording.header);
 
   std::fprintf(stderr, "%s: %s, up to tick %lld (t = %g s), %s\n", options.out.c_str(), options.format.c_str(),
                static_cast<long long>(simulation.get_tick()), simulation.get_time(), status.c_str());
@@ -175,9 +196,10 @@ void add_export(Command app, int& exit_code) {
       "Replays a recording and converts it. csv: a table, one row per tick, units in the header; cells of "
       "outputs "
       "that are not due are empty. json: one object on each line: the run, its ticks and events. mcap: for Foxglove, "
-      "with the 3D scene, transforms, reactions, elements, sensors, events. parquet: the table of csv. mcap and "
-      "parquet "
-      "need Node.js. SI units, angles in rad; reactions act on the follower. Exit code 1: the file was written, but "
+      "with the 3D scene, transforms, reactions, elements, sensors, events. parquet: the table of csv. With "
+      "contacts csv and parquet write a second table, FILE.touches.csv: each touch with its times, shapes, peak force, "
+      "depth and impulse. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the follower. Exit "
+      "code 1: the file was written, but "
       "the "
       "replay differs from the recording. --fmu writes a scenario as a co-simulation FMU instead: channels are inputs; "
       "sensors, reactions, bodies and clearances outputs.",

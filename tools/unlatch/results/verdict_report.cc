@@ -210,7 +210,7 @@ void write_junit(const RunReport& report, const std::string& target, double seco
     const hil::Requirement& requirement = get(report, verdict);
     const std::string value = hil::escape_xml(describe_value(requirement, verdict));
     const std::string what = hil::describe_quantity(requirement, report.scenario.model);
-    xml += "  <testcase classname=\"" + name + "\" name=\"" + hil::escape_xml(requirement.id) + "\" time=\"0\">\n";
+    xml += "  <testcase classname=\"" + name + "\" name=\"" + hil::escape_xml(requirement.id) + "\">\n";
     if (!verdict.is_resolved()) {
       xml += "   <error type=\"unresolved\" message=\"" + hil::escape_xml(verdict.unresolved) + "\"/>\n";
     } else if (!verdict.is_met()) {
@@ -222,7 +222,7 @@ void write_junit(const RunReport& report, const std::string& target, double seco
   }
   for (const SessionVerdict& limit : limits) {
     const std::string value = limit.text + ": " + to_short_text(limit.value) + ", at most " + to_short_text(limit.most);
-    xml += "  <testcase classname=\"" + name + "\" name=\"" + limit.id + "\" time=\"0\">\n";
+    xml += "  <testcase classname=\"" + name + "\" name=\"" + limit.id + "\">\n";
     if (!limit.is_met()) xml += "   <failure type=\"not met\" message=\"" + value + "\"/>\n";
     xml += "   <system-out>" + value + "</system-out>\n  </testcase>\n";
   }

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "hil/run/run.h"
-#include "hil/study/optimize/problem_step.h"
+#include "hil/study/optimize/problem/problem_step.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

@@ -10,8 +10,8 @@
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/yaml/scenario_error.h"
 #include "hil/scenario/yaml/yaml_reader.h"
-#include "hil/study/optimize/problem.h"
-#include "hil/study/optimize/variable_reader.h"
+#include "hil/study/optimize/problem/problem.h"
+#include "hil/study/optimize/problem/variable_reader.h"
 
 namespace unlatch::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hil/scenario/yaml/yaml_reader.h"
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 
 namespace unlatch::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/study/optimize/problem_step.h"
+#include "hil/study/optimize/problem/problem_step.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hil/study/optimize/variable_reader.h"
+#include "hil/study/optimize/problem/variable_reader.h"
 
 #include <algorithm>
 #include <cmath>

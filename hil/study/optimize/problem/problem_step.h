@@ -5,7 +5,7 @@
 #include <atomic>
 #include <optional>
 
-#include "hil/study/optimize/problem.h"
+#include "hil/study/optimize/problem/problem.h"
 
 namespace unlatch::hil {
 

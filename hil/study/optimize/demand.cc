@@ -1,0 +1,30 @@
+#include "hil/study/optimize/demand.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/study/optimize/dispersion.h"
+#include "hil/study/statistics/statistics.h"
+
+namespace unlatch::hil {
+
+OptimizeDemand get_first_demand(const OptimizeProblem& problem) {
+  if (!has_probabilities(problem)) return {};
+  OptimizeDemand demand{problem.campaign->samples, {}};
+  for (const OptimizeConstraint& constraint : problem.constraints) demand.parts.push_back(constraint.probability);
+  return demand;
+}
+
+double calc_confirmable(double allowed, std::int64_t samples) {
+  const auto confirms = [&](std::int64_t failed) { return calc_clopper_pearson(failed, samples).high <= allowed; };
+  if (!confirms(0)) return 0;
+  std::int64_t low = 0, high = samples;  // the first is confirmed, the second is not
+  while (high - low > 1) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (confirms(middle) ? low : high) = middle;
+  }
+  const auto most = static_cast<double>(low);
+  return std::max(0.0, most - 2 * std::sqrt(most)) / static_cast<double>(samples);
+}
+
+}  // namespace unlatch::hil
