@@ -283,7 +283,6 @@ TEST_F(OptimizeJournal, AFullDiskIsThrown) {
   EXPECT_THROW(OptimizeEvaluations(problem_, {"/dev/full", false, 1}, stop_), hil::JournalError);
 }
 
-}  // namespace
 // --- Probabilities ---------------------------------------------------------------------------------------------------
 
 // A design whose probability of failure is the confirmable one is confirmed by almost all sets of samples: the count of
@@ -300,4 +299,5 @@ TEST(OptimizeDemand, WhatIsConfirmableIsConfirmedByAlmostAllSamples) {
   EXPECT_EQ(hil::calc_confirmable(0.01, 100), 0);  // not even no failure at all shows it: 1 - 0.025^(1/100) = 0.036
 }
 
+}  // namespace
 }  // namespace unlatch::test
