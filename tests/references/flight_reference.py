@@ -220,6 +220,14 @@ def main():
                        wind=lambda z: np.array([0, (70 * min(max(z / high, 0), 1) - 20 * min(max(1 - z / high, 0), 1)) * FOOT, 0])), 30)
     add("case09", Body(*SPHERE, torque=False, forces=SPHERE_DRAG), 30, altitude=0, velocity=(0, 1000 * FOOT, -1000 * FOOT),
         euler=(0, 0, np.pi / 2), rate_relative_to="planet")
+    global A, B, F, E2, J2, RATE, OMEGA
+    kept = A, B, F, E2, J2, RATE, OMEGA
+    B, F, E2, J2 = A, 0, 0, 0  # a sphere, with the equator's radius
+    add("case05", Body(*SPHERE, torque=False, forces=SPHERE_DRAG), 30)
+    RATE, OMEGA = 0, np.zeros(3)
+    add("case04", Body(*SPHERE, torque=False, forces=SPHERE_DRAG), 30)
+    A, B, F, E2, J2, RATE, OMEGA = kept
+    add("case10", Body(*SPHERE, torque=False, forces=SPHERE_DRAG), 30, altitude=0, velocity=(1000 * FOOT, 0, -1000 * FOOT), rate_relative_to="planet")
     add("gradient", Body(400, (40, 90, 100)), 600, latitude=0.4, longitude=-1.2, altitude=400e3, velocity=(4000, 6500, -100),
         euler=(0.3, -0.4, 1.1), rate=(0.002, -0.001, 0.003))
     print(json.dumps({"about": "tests/references/flight_reference.py", "cases": cases}, indent=1))

@@ -10,7 +10,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 FOLDER = SCENARIOS / "checkcases"
 FOOT, SLUG, POUND, DEGREE, KELVIN = 0.3048, 14.593902937206365, 4.4482216152605, math.pi / 180, 5 / 9
-CASES = ("case01", "case02", "case03", "case06", "case07", "case08", "case09")
+CASES = ("case01", "case02", "case03", "case04", "case05", "case06", "case07", "case08", "case09", "case10")
 
 # Errors of the comparison with the integration, of the value's scale in a case.
 RELATIVE = 1e-9
