@@ -1,6 +1,10 @@
 // Distances of unions, and bounds by which pairs are skipped.
 #include "kernel/geometry/groups.h"
 
+#include <algorithm>
+
+#include "unlatch/group_pair.h"
+
 namespace unlatch::geometry {
 namespace {
 
@@ -23,6 +27,8 @@ Vec3 get_half_box(const ShapeNumbers& shape) {
   }
 }
 
+double choose_more(double a, double b) { return a > b ? a : b; }
+
 double calc_outside(double x, double half) {
   const double out = std::fabs(x) - half;
   return out > 0 ? out : 0.0;
@@ -42,6 +48,32 @@ double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const Shap
   const Vec3 out{calc_outside(x.x, half.x), calc_outside(x.y, half.y), calc_outside(x.z, half.z)};
   const double bound = (norm(out) - round.bound) - kRounding * ((norm(x) + a.bound) + b.bound);
   return bound > 0 ? bound : -HUGE_VAL;
+}
+
+Box build_box(const ShapeNumbers& shape, const Placement& at, const Vec3& origin) noexcept {
+  const bool curved = shape.kind != ShapeKind::kBox && shape.kind != ShapeKind::kHull;
+  return {(at.p_WB - origin) + at.R_WB * shape.p_BS, at.R_WB * shape.R_BS, get_half_box(shape), shape.bound, !curved};
+}
+
+double calc_slab_bound(const Box& a, const Box& b) noexcept {
+  if (!std::isfinite(a.bound) || !std::isfinite(b.bound)) return -HUGE_VAL;
+  const Vec3 d = b.c - a.c, of_a = transpose_times(a.R, d), of_b = transpose_times(b.R, d);
+  const Vec3 x = transpose_times(a.R, b.R.x), y = transpose_times(a.R, b.R.y), z = transpose_times(a.R, b.R.z);
+  const auto calc_reach = [](double r, double s, double t, const Vec3& half) {
+    return (std::fabs(r) * half.x + std::fabs(s) * half.y) + std::fabs(t) * half.z;
+  };
+  const double apart = norm(d), size = (apart + a.bound) + b.bound;
+  double bound = apart - (a.bound + b.bound);
+  bound = choose_more(bound, (std::fabs(of_a.x) - a.half.x) - calc_reach(x.x, y.x, z.x, b.half));
+  bound = choose_more(bound, (std::fabs(of_a.y) - a.half.y) - calc_reach(x.y, y.y, z.y, b.half));
+  bound = choose_more(bound, (std::fabs(of_a.z) - a.half.z) - calc_reach(x.z, y.z, z.z, b.half));
+  bound = choose_more(bound, (std::fabs(of_b.x) - b.half.x) - calc_reach(x.x, x.y, x.z, a.half));
+  bound = choose_more(bound, (std::fabs(of_b.y) - b.half.y) - calc_reach(y.x, y.y, y.z, a.half));
+  bound = choose_more(bound, (std::fabs(of_b.z) - b.half.z) - calc_reach(z.x, z.y, z.z, a.half));
+  // What a distance may be below the widest slab: its certificate and, of curved shapes that overlap, 1e-5 of their
+  // size (penetration.cc).
+  constexpr double kCertified = 1e-9, kCurved = 2e-5;
+  return bound - (bound < 0 && !(a.polytope && b.polytope) ? kCurved : kCertified) * size;
 }
 
 GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,
@@ -70,6 +102,56 @@ double calc_advanced_bound(double distance, const GroupNumbers& a, const Motion&
                            const Motion& of_b, double interval) noexcept {
   const double speed = calc_closing_speed(a, of_a, b, of_b), increase = of_a.increase + of_b.increase;
   return distance - (speed + 0.5 * increase * interval) * interval;
+}
+
+double calc_way(const Vec3& from_centre, const Mat3& from_R, const Vec3& to_centre, const Mat3& to_R,
+                double bound) noexcept {
+  const Vec3 x = to_R.x - from_R.x, y = to_R.y - from_R.y, z = to_R.z - from_R.z;
+  return norm(to_centre - from_centre) + bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
+}
+
+GroupPair::Seen GroupPair::calc_seen(const Placement& at_a, const Placement& at_b) const noexcept {
+  const bool of_b = std::isfinite(b_.bound);
+  const Placement &from = of_b ? at_a : at_b, &seen = of_b ? at_b : at_a;
+  const Vec3 between = (seen.p_WB - from.p_WB) + seen.R_WB * (of_b ? b_.centre : a_.centre);
+  const Mat3 &R = from.R_WB, &S = seen.R_WB;
+  return {transpose_times(R, between), {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)}};
+}
+
+void GroupPair::add_way(const Seen& seen, double bound) noexcept {
+  constexpr int kMostCalls = 10000;  // until then the sum of the ways is rounded by less than the bounds' own margin
+  constexpr double kMostWay = 100;   // of the bounding radius
+  way_ += calc_way(latest_.centre, latest_.R, seen.centre, seen.R, bound);
+  latest_ = seen;
+  if (++calls_ < kMostCalls && way_ < kMostWay * bound) return;
+  std::fill(bounds_.begin(), bounds_.end(), -HUGE_VAL);
+  way_ = 0;
+  calls_ = 0;
+}
+
+GroupDistance GroupPair::calc_distance(const Placement& at_a, const Placement& at_b) noexcept {
+  const double bound = std::isfinite(b_.bound) ? b_.bound : a_.bound;
+  if (bounds_.size() < 2 || !std::isfinite(bound)) return geometry::calc_distance(a_, at_a, b_, at_b);
+  const std::span<const CompiledShape> of_a = get_parts(a_), of_b = get_parts(b_);
+  const std::size_t count_b = of_b.size();
+  add_way(calc_seen(at_a, at_b), bound);
+
+  GroupDistance out;
+  std::size_t number = bounds_.size();
+  const auto add = [&](std::size_t pair) {
+    take(geometry::calc_distance(of_a[pair / count_b], at_a, of_b[pair % count_b], at_b), pair, count_b, out, number);
+  };
+  const std::size_t first = nearest_;
+  add(first);
+  for (std::size_t pair = 0; pair < bounds_.size(); ++pair) {
+    if (pair == first || bounds_[pair] - way_ > out.least.distance) continue;
+    const double now = calc_slab_bound(build_box(of_a[pair / count_b], at_a, at_a.p_WB),
+                                       build_box(of_b[pair % count_b], at_b, at_a.p_WB));
+    bounds_[pair] = now + way_;
+    if (!(now > out.least.distance)) add(pair);
+  }
+  if (number < bounds_.size()) nearest_ = number;
+  return out;
 }
 
 }  // namespace unlatch::geometry

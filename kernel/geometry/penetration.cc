@@ -164,6 +164,101 @@ bool is_better(double depth, double gap, const Depth& best, double size) {
   return depth < best.depth - same || (depth <= best.depth + same && gap < best.gap);
 }
 
+Vec3 get_axis(const Core& core, int i) { return i == 0 ? core.R.x : (i == 1 ? core.R.y : core.R.z); }
+double get_half(const Core& core, int i) { return i == 0 ? core.half.x : (i == 1 ? core.half.y : core.half.z); }
+
+// Depth of two boxes. A − B has 15 directions of faces: those of either box, and the products of an edge of each; its
+// nearest face is across one of them. No other direction needs to be searched.
+class BoxDepth {
+ public:
+  BoxDepth(const Core& a, const Core& b, double size) : a_(a), b_(b), size_(size), between_(b.c - a.c) {}
+
+  Depth calc() {
+    for (int i = 0; i < 3; ++i) try_direction(get_axis(a_, i), 0, {i, -1});
+    for (int k = 0; k < 3; ++k) try_direction(get_axis(b_, k), 0, {-1, k});
+    constexpr double kParallel = 1e-6,
+                     kWorth = 1e-12;  // sine of edges that have no direction of their own; of the size
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 across = cross(get_axis(a_, i), get_axis(b_, k));
+        const double sine = norm(across);
+        if (sine > kParallel) try_direction((1 / sine) * across, kWorth * size_, {i, k});
+      }
+    return find_witnesses();
+  }
+
+ private:
+  // Edges or faces that lie across a direction: of A, of B, or −1.
+  struct Feature {
+    int of_a, of_b;
+  };
+
+  // `worth`: by how much the depth must be less than that so far, m.
+  void try_direction(const Vec3& axis, double worth, Feature feature) {
+    const Vec3 n = dot(axis, between_) < 0 ? -axis : axis;
+    const double depth = (calc_reach(a_, n) + calc_reach(b_, n)) - dot(n, between_);
+    if (!(depth < best_.depth - worth)) return;
+    best_.n = n;
+    best_.depth = depth;
+    feature_ = feature;
+  }
+
+  static double calc_reach(const Core& box, const Vec3& n) {
+    return (std::fabs(dot(box.R.x, n)) * box.half.x + std::fabs(dot(box.R.y, n)) * box.half.y) +
+           std::fabs(dot(box.R.z, n)) * box.half.z;
+  }
+
+  // The corner that is farthest along d; in the middle of the edge along axis `but`. False if an edge lies across d.
+  static bool find_corner(const Core& box, const Vec3& d, int but, Vec3& out) {
+    constexpr double kAcross = 1e-8;  // rad
+    out = box.c;
+    for (int i = 0; i < 3; ++i) {
+      const double along = dot(get_axis(box, i), d);
+      if (i == but) continue;
+      if (!(std::fabs(along) > kAcross)) return false;
+      out += (along > 0 ? get_half(box, i) : -get_half(box, i)) * get_axis(box, i);
+    }
+    return true;
+  }
+
+  static bool is_within(const Core& box, const Vec3& point, int but) {
+    const Vec3 at = to_local(box, point);
+    const double over[3] = {std::fabs(at.x) - box.half.x, std::fabs(at.y) - box.half.y, std::fabs(at.z) - box.half.z};
+    for (int i = 0; i < 3; ++i)
+      if (i != but && over[i] > 0) return false;
+    return true;
+  }
+
+  // A corner opposite a face, or two edges; in all other cases the local search from the direction.
+  Depth find_witnesses() {
+    const Vec3 n = best_.n, way = best_.depth * n;
+    if (feature_.of_b < 0 && find_corner(b_, -n, -1, best_.b)) {
+      best_.a = best_.b + way;
+      if (is_within(a_, best_.a, feature_.of_a)) return best_;
+    } else if (feature_.of_a < 0 && find_corner(a_, n, -1, best_.a)) {
+      best_.b = best_.a - way;
+      if (is_within(b_, best_.b, feature_.of_b)) return best_;
+    } else if (feature_.of_a >= 0 && feature_.of_b >= 0 && find_corner(a_, n, feature_.of_a, best_.a) &&
+               find_corner(b_, -n, feature_.of_b, best_.b)) {
+      const Vec3 u = get_axis(a_, feature_.of_a), v = get_axis(b_, feature_.of_b), w = best_.b - best_.a;
+      const double cosine = dot(u, v), along_v = (cosine * dot(w, u) - dot(w, v)) / (1 - cosine * cosine);
+      const double along_u = dot(w, u) + along_v * cosine;
+      if (std::fabs(along_u) <= get_half(a_, feature_.of_a) && std::fabs(along_v) <= get_half(b_, feature_.of_b)) {
+        best_.a += along_u * u;
+        best_.b += along_v * v;
+        return best_;
+      }
+    }
+    return calc_depth_near(a_, b_, n, size_);
+  }
+
+  const Core &a_, &b_;
+  double size_;
+  Vec3 between_;
+  Depth best_{.depth = std::numeric_limits<double>::infinity()};
+  Feature feature_{-1, -1};
+};
+
 }  // namespace
 
 Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double size) {
@@ -224,6 +319,7 @@ Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double si
 
 Depth calc_depth(const Core& a, const Core& b) {
   const double size = calc_pair_size(a, b);
+  if (a.kind == Core::Kind::kBox && b.kind == Core::Kind::kBox) return BoxDepth(a, b, size).calc();
   Polytope polytope(a, b, size);
   Depth best;
   Vec3 across{0, 0, 1};

@@ -1,10 +1,12 @@
 // Mistakes of shapes, their compilation, and their unions.
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "kernel/geometry/compiled_shape.h"
 #include "kernel/geometry/core.h"
 #include "kernel/math/number_text.h"
+#include "unlatch/group_pair.h"
 
 namespace unlatch::geometry {
 namespace {
@@ -255,5 +257,10 @@ ShapeGroup build_group(std::string name, std::span<const Shape> shapes) {
     group.bound = std::fmax(group.bound, norm(s.p_BS - group.centre) + s.bound);
   return group;
 }
+
+GroupPair::GroupPair(ShapeGroup a, ShapeGroup b)
+    : a_(std::move(a)),
+      b_(std::move(b)),
+      bounds_(get_parts(a_).size() * get_parts(b_).size(), -std::numeric_limits<double>::infinity()) {}
 
 }  // namespace unlatch::geometry

@@ -9,6 +9,19 @@ namespace {
 
 constexpr double kRightAngle = 1.57079632679489661923;  // rad
 
+// True if one point of the core is farthest along the unit vector d: no face, line or generator lies across it.
+bool has_single_support(const Core& core, const Vec3& d) {
+  constexpr double kAcross = 1e-8;  // rad
+  if (core.kind == Core::Kind::kPoint) return true;
+  const Vec3 at{dot(core.R.x, d), dot(core.R.y, d), dot(core.R.z, d)};
+  if (core.kind == Core::Kind::kSegment) return std::fabs(at.z) > kAcross;
+  if (core.kind == Core::Kind::kBox)
+    return std::fabs(at.x) > kAcross && std::fabs(at.y) > kAcross && std::fabs(at.z) > kAcross;
+  if (core.kind != Core::Kind::kFrustum) return false;
+  const double across = std::sqrt(at.x * at.x + at.y * at.y);
+  return across > kAcross && std::fabs(core.gr * across + core.gz * at.z) > kAcross;
+}
+
 }  // namespace
 
 Strips::Strips(const Core& solid, const Core& b)
@@ -28,8 +41,7 @@ double Strips::calc_azimuth(const Vec3& point) const {
   return elementary::atan2(dot(way, solid_.R.y), dot(way, solid_.R.x));
 }
 
-Strip Strips::calc_strip(double azimuth) const {
-  const Axes at = calc_axes(azimuth);
+Strip Strips::calc_strip(const Axes& at) const {
   Core strip;
   strip.kind = Core::Kind::kBox;
   strip.R.z = solid_.gr * at.e + solid_.gz * solid_.R.z;
@@ -40,20 +52,32 @@ Strip Strips::calc_strip(double azimuth) const {
   strip.half = {0, 0.5 * (wide.high - wide.low), 0.5 * solid_.length};
   strip.bound = norm(strip.half);
   Strip out;
-  const Closest closest = calc_closest(strip, b_);
-  if (closest.apart) {
-    out.d = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
-  } else {
-    const Depth depth = calc_depth(strip, b_);
-    out.d = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
+  if (!find_foot(strip, out.d)) {
+    const Closest closest = calc_closest(strip, b_);
+    if (closest.apart) {
+      out.d = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
+    } else {
+      const Depth depth = calc_depth(strip, b_);
+      out.d = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
+    }
   }
-  out.azimuth = azimuth;
+  out.azimuth = at.azimuth;
   out.rate = -dot(out.d.normal, cross(solid_.R.z, out.d.on_a - solid_.c));
   return out;
 }
 
-TurningDirection Strips::calc_direction(const Strip& strip) const {
-  const Axes at = calc_axes(strip.azimuth);
+bool Strips::find_foot(const Core& strip, Distance& out) const {
+  const Vec3 n = dot(strip.R.x, b_.c - strip.c) < 0 ? -strip.R.x : strip.R.x;
+  if (!has_single_support(b_, -n)) return false;
+  const Vec3 nearest = calc_support(b_, -n), way = nearest - strip.c;
+  const double height = dot(n, way);
+  if (!(height > 0) || std::fabs(dot(strip.R.y, way)) > strip.half.y || std::fabs(dot(strip.R.z, way)) > strip.half.z)
+    return false;
+  out = {height, nearest - height * n, nearest, n, 0};
+  return true;
+}
+
+TurningDirection Strips::calc_direction(const Strip& strip, const Axes& at) const {
   TurningDirection u;
   u.e = dot(strip.d.normal, at.e), u.t = is_half_ ? dot(strip.d.normal, at.t) : 0.0;
   u.z = dot(strip.d.normal, solid_.R.z);
@@ -76,8 +100,7 @@ TurningDirection Strips::calc_direction(const Strip& strip) const {
   return u;
 }
 
-Reach Strips::calc_reach(const TurningDirection& u, double azimuth) const {
-  const Axes at = calc_axes(azimuth);
+Reach Strips::calc_reach(const TurningDirection& u, const Axes& at) const {
   const Vec3 d = -((u.e * at.e + u.t * at.t) + u.z * solid_.R.z);
   if (!has_rims_) {
     const double reach = calc_extent_of_b(d) + u.residue[0];
@@ -93,10 +116,9 @@ double Strips::calc_bound(const TurningDirection& u, double azimuth, const Reach
   return calc_bound_by_parts(u, azimuth, azimuth, at.of[0], at.of[1]);
 }
 
-double Strips::calc_bound(const TurningDirection& u, double from, double to, const Reach& at_from,
-                          const Reach& at_to) const {
-  double s, c;
-  elementary::sincos(0.5 * (to - from), s, c);
+double Strips::calc_bound(const TurningDirection& u, double from, double to, const HalfArc& half_arc,
+                          const Reach& at_from, const Reach& at_to) const {
+  const double s = half_arc.sine, c = half_arc.cosine;
   const double cosine = 1 - 2 * s * s;  // of the arc
   const auto calc_most = [&](double x, double y) {
     if (!(y > x * cosine && x > y * cosine)) return x > y ? x : y;
@@ -109,7 +131,7 @@ double Strips::calc_bound(const TurningDirection& u, double from, double to, con
 Strips::Axes Strips::calc_axes(double azimuth) const {
   double s, c;
   elementary::sincos(azimuth, s, c);
-  return {c * solid_.R.x + s * solid_.R.y, c * solid_.R.y - s * solid_.R.x, c, s};
+  return {c * solid_.R.x + s * solid_.R.y, c * solid_.R.y - s * solid_.R.x, c, s, azimuth};
 }
 
 Strips::Extent Strips::calc_extent(const Axes& at) const {

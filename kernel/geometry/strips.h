@@ -30,6 +30,11 @@ struct Reach {
   double of[2];  // m, of each part, with its residue
 };
 
+// An arc's half: sine and cosine of half its width.
+struct HalfArc {
+  double sine = 0, cosine = 1;
+};
+
 // The strips of the wall of `solid`, a frustum or half of one, and their distances to B. Refers to both.
 class Strips {
  public:
@@ -40,32 +45,36 @@ class Strips {
   // The azimuth, or of a half wall the edge next to it.
   [[nodiscard]] double clamp(double azimuth) const;
   [[nodiscard]] double calc_azimuth(const Vec3& point) const;
-  [[nodiscard]] Strip calc_strip(double azimuth) const;
+
+  // Axes of the strip at an azimuth: radial, and along the wall's rims.
+  struct Axes {
+    Vec3 e, t;
+    double cosine, sine, azimuth;
+  };
+  [[nodiscard]] Axes calc_axes(double azimuth) const;
+  [[nodiscard]] Strip calc_strip(const Axes& at) const;
+  [[nodiscard]] Strip calc_strip(double azimuth) const { return calc_strip(calc_axes(azimuth)); }
 
   // The direction of a strip's own normal, in which the bound is its distance. A whole wall has no component t, because
   // its strips do not end along t.
-  [[nodiscard]] TurningDirection calc_direction(const Strip& strip) const;
-  [[nodiscard]] Reach calc_reach(const TurningDirection& u, double azimuth) const;
+  [[nodiscard]] TurningDirection calc_direction(const Strip& strip, const Axes& at) const;
+  [[nodiscard]] Reach calc_reach(const TurningDirection& u, const Axes& at) const;
 
   // Lower bound of the distance of the strip at an azimuth, m.
   [[nodiscard]] double calc_bound(const TurningDirection& u, double azimuth, const Reach& at) const;
   // Lower bound for all strips of an arc, by the reaches at its ends: in between, that of each part stays below the
   // sinusoid through both.
-  [[nodiscard]] double calc_bound(const TurningDirection& u, double from, double to, const Reach& at_from,
-                                  const Reach& at_to) const;
+  [[nodiscard]] double calc_bound(const TurningDirection& u, double from, double to, const HalfArc& half,
+                                  const Reach& at_from, const Reach& at_to) const;
 
  private:
-  // Axes of the strip at an azimuth: radial, and along the wall's rims.
-  struct Axes {
-    Vec3 e, t;
-    double cosine, sine;
-  };
   // Extent of a strip across its generator, m.
   struct Extent {
     double low, high;
   };
 
-  [[nodiscard]] Axes calc_axes(double azimuth) const;
+  // The distance of a strip and B where the nearest point is inside of the strip and the only one. False elsewhere.
+  bool find_foot(const Core& strip, Distance& out) const;
   // Neither end passes the plane of the edges: near an edge a strip is narrow.
   [[nodiscard]] Extent calc_extent(const Axes& at) const;
   [[nodiscard]] double calc_extent_of_b(const Vec3& d) const;

@@ -21,6 +21,7 @@
 #include "kernel/geometry/distance.h"
 #include "kernel/geometry/penetration.h"
 #include "kernel/geometry/strips.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::geometry {
 namespace {
@@ -99,20 +100,31 @@ Distance calc_in(const Core& solid, const Core& b) {
   Arc arcs[kMostArcs];
   int known = 0, count = 0;
 
+  // Halves of the arcs that are halved so often, as far as they are known.
+  HalfArc halves[kMostHalvings + 1];
+  int halves_known = 0;
+  const auto get_half = [&](int halvings) -> const HalfArc& {
+    for (; halves_known <= halvings; ++halves_known) {
+      HalfArc& half = halves[halves_known];
+      elementary::sincos(0.5 * kFirstWidth / (1 << halves_known), half.sine, half.cosine);
+    }
+    return halves[halvings];
+  };
+
   Strip best = descend(strips, strips.calc_strip(strips.clamp(strips.calc_azimuth(b.c))));
-  directions[known++] = strips.calc_direction(best);
+  directions[known++] = strips.calc_direction(best, strips.calc_axes(best.azimuth));
   const auto is_worth = [&](double bound) { return bound < best.d.distance - worth; };
   const auto add = [&](double from, double to, const Reach& at_from, const Reach& at_to, int direction, int halvings) {
-    const double bound = strips.calc_bound(directions[direction], from, to, at_from, at_to);
+    const double bound = strips.calc_bound(directions[direction], from, to, get_half(halvings), at_from, at_to);
     if (is_worth(bound) && count < kMostArcs) arcs[count++] = {from, to, at_from, at_to, bound, direction, halvings};
   };
 
   const int first_arcs = strips.is_half() ? kFirstArcs / 2 : kFirstArcs;
   double from = strips.is_half() ? -0.5 * kPi : -kPi;
-  Reach at_from = strips.calc_reach(directions[0], from);
+  Reach at_from = strips.calc_reach(directions[0], strips.calc_axes(from));
   for (int i = 0; i < first_arcs; ++i) {
     const double to = from + kFirstWidth;
-    const Reach at_to = strips.calc_reach(directions[0], to);
+    const Reach at_to = strips.calc_reach(directions[0], strips.calc_axes(to));
     add(from, to, at_from, at_to, 0, 0);
     from = to, at_from = at_to;
   }
@@ -120,15 +132,17 @@ Distance calc_in(const Core& solid, const Core& b) {
     Arc arc = arcs[i];
     if (!is_worth(arc.bound) || arc.halvings == kMostHalvings) continue;
     const double middle = 0.5 * (arc.from + arc.to);
-    Reach at_middle = strips.calc_reach(directions[arc.direction], middle);
+    const Strips::Axes axes = strips.calc_axes(middle);
+    Reach at_middle = strips.calc_reach(directions[arc.direction], axes);
     // Where the bound at the middle does not decide, the strip there is computed.
     if (is_worth(strips.calc_bound(directions[arc.direction], middle, at_middle)) && known < kMostStrips) {
-      const Strip strip = strips.calc_strip(middle);
+      const Strip strip = strips.calc_strip(axes);
       if (strip.d.distance < best.d.distance) best = descend(strips, strip);
       arc.direction = known++;
-      const TurningDirection& u = directions[arc.direction] = strips.calc_direction(strip);
-      arc.at_from = strips.calc_reach(u, arc.from), arc.at_to = strips.calc_reach(u, arc.to);
-      at_middle = strips.calc_reach(u, middle);
+      const TurningDirection& u = directions[arc.direction] = strips.calc_direction(strip, axes);
+      arc.at_from = strips.calc_reach(u, strips.calc_axes(arc.from));
+      arc.at_to = strips.calc_reach(u, strips.calc_axes(arc.to));
+      at_middle = strips.calc_reach(u, axes);
     }
     add(arc.from, middle, arc.at_from, at_middle, arc.direction, arc.halvings + 1);
     add(middle, arc.to, at_middle, arc.at_to, arc.direction, arc.halvings + 1);

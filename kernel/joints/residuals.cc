@@ -67,8 +67,10 @@ void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget 
     f.crossed = is_crossed(joint, get_active_rows(plan, state, own.joint));
     if (f.crossed) cross_axes(follower.R * own.follower_y, f);
   }
-  for (const std::int32_t j : plan.loops)
-    ev.non_tree_bias[at(plan.joints[at(j)].non_tree)] = calc_target(plan, state, ev, j, target);
+  for (const std::int32_t j : plan.loops) {
+    Spatial& bias = ev.non_tree_bias[at(plan.joints[at(j)].non_tree)];
+    bias = get_active_rows(plan, state, j) == 0 ? Spatial{} : calc_target(plan, state, ev, j, target);
+  }
 }
 
 Vec3 calc_carried_axis(const PlanJoint& joint, const JointState& memory, RowSet rows, int a) noexcept {

@@ -1,4 +1,6 @@
 // Contacts: the law against integrals and closed forms that are independent of the kernel, balances, events, bounds.
+#include "kernel/elements/kinds/contact/contact.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -334,6 +336,49 @@ TEST(Contact, AutomaticSubstepsLetABodyStick) {
   const double creep = 1e-4 * kSlope / std::sqrt(kFriction * kFriction - kSlope * kSlope);
   const double slip = s.state.bodies[0].v.x - s.state.bodies[0].w.y * kBallRadius;  // it rolls slowly all the same
   EXPECT_NEAR(slip, creep, 1e-6 * creep + 1e-9);
+}
+
+// A ball of 1 kg slides over the floor, √(k/m)·h = 2: parts of 0.2 would be sixteen.
+TEST(Contact, AutomaticSubstepsAreFewWhereABodySlidesAtRestOnAnother) {
+  constexpr double kStiffness = 4e6, kRestDepth = kGravity / kStiffness, kFriction = 0.1;
+  Model model = build_dropped_ball(-kRestDepth);
+  model.bodies[0].v_WB = {3, 0, 0};
+  model.bodies[0].inertia *= 1e9;  // it does not roll
+  model.contacts[0].stiffness = kStiffness;
+  model.contacts[0].damping = 1;
+  model.contacts[0].friction = kFriction;
+  Simulation s(model);
+  for (int k = 0; k < 1000; ++k) {
+    const StepReport report = s.advance();
+    ASSERT_EQ(report.status, StepStatus::kOk);
+    ASSERT_LE(report.substeps, 4) << "at step " << k;
+  }
+  EXPECT_NEAR(s.state.bodies[0].p.z, kBallRadius - kRestDepth, 1e-4 * kRestDepth);
+  EXPECT_NEAR(s.state.bodies[0].v.x, 3 - kFriction * kGravity, 1e-5) << "slip speeds of 1 mm/s and less";
+  // A vibration as large as the depth is resolved: a drop onto the floor has many parts.
+  s.state.bodies[0].v.z = -0.01;
+  EXPECT_GE(s.advance().substeps, 16);
+}
+
+// Balls that circle in a tube: its wall turns the normal, and the depth stays, or grows by what is added outwards.
+TEST(Contact, TheDepthsAccelerationIsThatOfTheSurfacesNotOfTheMaterials) {
+  constexpr double kTube = 0.5, kDepth = 1e-4, kSpeed = 2, kOutwards = 3;
+  Model model = build_dropped_ball(-kDepth);
+  geometry::Shape tube{.kind = geometry::ShapeKind::kHollow, .from = {0, 0, -1}, .to = {0, 0, 1}};
+  tube.profile = {{.z = 0, .r = kTube}, {.z = 2, .r = kTube}};
+  model.surfaces[0].shapes = {tube};
+  Simulation s(model);
+  const PlanData& plan = get_data(s.plan);
+  const double radius = kTube - kBallRadius + kDepth;
+  const MovingFrame wall{get_ground<double>(), {{0, 0, 0}, {0, 0, 0}}};
+  MovingFrame ball = wall;
+  ball.frame.p = {radius, 0, 0};
+  ball.frame.v = {0, kSpeed, 0};
+  for (const double outwards : {0.0, kOutwards}) {
+    ball.acceleration.lin = {outwards - kSpeed * kSpeed / radius, 0, 0};
+    const double found = calc_depth_acceleration(plan, plan.contact_pairs[0], wall, ball, 0, 1e-3);
+    EXPECT_NEAR(found, outwards, 1e-3 * kSpeed * kSpeed / radius);
+  }
 }
 
 TEST(Contact, AutomaticSubstepsDependOnTheStateAlone) {

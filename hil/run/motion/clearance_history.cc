@@ -33,16 +33,23 @@ ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
 }
 
 const std::vector<Clearance>& ClearanceHistory::get() const {
-  for (std::size_t i = 0; i < now_.size(); ++i) refresh(i);
+  for (std::size_t i = 0; i < now_.size(); ++i) refresh_rate(i);
   return now_;
 }
 
 void ClearanceHistory::refresh(std::size_t pair) const {
   if (!tracks_[pair].stale) return;
   tracks_[pair].stale = false;
+  tracks_[pair].rateless = true;
+  now_[pair].now = calc(*window_, static_cast<int>(pair), window_->get_present().to);
+}
+
+void ClearanceHistory::refresh_rate(std::size_t pair) const {
+  refresh(pair);
+  if (!tracks_[pair].rateless) return;
+  tracks_[pair].rateless = false;
   const MotionPiece& piece = window_->get_present();
   const double before = calc(*window_, static_cast<int>(pair), piece.from);
-  now_[pair].now = calc(*window_, static_cast<int>(pair), piece.to);
   if (piece.to > piece.from) now_[pair].rate = (now_[pair].now - before) / (piece.to - piece.from);
 }
 
@@ -65,12 +72,9 @@ ClearanceHistory::Relative ClearanceHistory::calc_relative(std::size_t pair, con
               reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
 }
 
-// Bound on a distance's change. The difference of two attitudes moves a point at distance r from the centre by at most
-// r |R − R'| / √2 (Frobenius).
+// Bound on a distance's change.
 double ClearanceHistory::calc_change(std::size_t pair, const Relative& from, const Relative& to) const {
-  const Vec3 x = to.R.x - from.R.x, y = to.R.y - from.R.y, z = to.R.z - from.R.z;
-  return norm(to.centre - from.centre) +
-         monitor_.get_reach(pair).bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
+  return geometry::calc_way(from.centre, from.R, to.centre, to.R, monitor_.get_reach(pair).bound);
 }
 
 // Distance below which a result may change: a new smallest value, or a tie with it.
@@ -147,7 +151,7 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   if (most <= kStill * track.size) {
     now_[pair].now = track.value;
     now_[pair].rate = 0;
-    track.stale = false;
+    track.stale = track.rateless = false;
     if (track.value <= track.tie + kTie && piece.to > now_[pair].tie.to) {
       now_[pair].tie.to = piece.to;
       ++now_[pair].tie.count;
@@ -215,7 +219,7 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     track.whole.add(time, value);
     track.value = value;
     track.moved = 0;
-    track.idle = track.stale = false;
+    track.idle = track.stale = track.rateless = false;
     const auto a = get_index(now_[i].a), b = get_index(now_[i].b);
     track.between = at_b.p - at_a.p;
     track.turned_a = bodies_[a].turned;
@@ -283,7 +287,7 @@ void ClearanceHistory::add(const MotionWindow& window) {
     }
     const double before = track.idle ? function(piece.from) : now_[i].now, value = function(piece.to);
     const bool begins = track.idle || !window.is_smooth();
-    track.idle = track.stale = false;
+    track.idle = track.stale = track.rateless = false;
     set_reference(piece, i, value);
     track.whole.add(piece.from, before, piece.to, value, begins, function);
     if (track.after_release) track.released.add(piece.from, before, piece.to, value, begins, function);

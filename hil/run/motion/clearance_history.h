@@ -72,6 +72,7 @@ class ClearanceHistory {
     bool followed = true;               // `latest` is up to date
     bool idle = false;                  // pieces were skipped; the next computed piece begins anew
     mutable bool stale = false;         // `now` and `rate` of the latest knot are not computed
+    mutable bool rateless = false;      // `now` alone is
     geometry::Placement at_a, at_b;     // at the smallest value
     double tie = 0;                     // m: reference value for ties
     bool after_release = false;
@@ -83,6 +84,7 @@ class ClearanceHistory {
   }
   void add_value(std::size_t pair, double time, double value);
   void refresh(std::size_t pair) const;
+  void refresh_rate(std::size_t pair) const;
   static Place get_place(const BodyState& body, const Spatial& acceleration);
   [[nodiscard]] Relative calc_relative(std::size_t pair, const Place& a, const Place& b) const;
   [[nodiscard]] double calc_change(std::size_t pair, const Relative& from, const Relative& to) const;

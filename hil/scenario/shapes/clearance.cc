@@ -75,8 +75,8 @@ ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
     std::vector<Part>& parts = parts_.emplace_back();
     const std::vector<BodyShape>&of_pair_a = get_shapes(pair.a), &of_pair_b = get_shapes(pair.b);
     for (const auto& [of_b, of_a] : split(pair, of_pair_a, of_pair_b))
-      parts.push_back({.a = build_group(pair.a.name, of_pair_a, of_a),
-                       .b = build_group(pair.b.name, of_pair_b, of_b),
+      parts.push_back({.groups = geometry::GroupPair(build_group(pair.a.name, of_pair_a, of_a),
+                                                     build_group(pair.b.name, of_pair_b, of_b)),
                        .shapes_a = of_a,
                        .shapes_b = of_b});
     add_meshes(pair, of_pair_a, of_pair_b);
@@ -127,8 +127,9 @@ PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement&
   PairDistance out;
   const geometry::Placement near_a{{0, 0, 0}, a.R_WB}, near_b{b.p_WB - a.p_WB, b.R_WB};
   for (const Part& part : parts_[pair]) {
-    if (geometry::calc_lower_bound(part.a, near_a, part.b, near_b) > out.least.distance) continue;
-    const geometry::GroupDistance found = geometry::calc_distance(part.a, near_a, part.b, near_b);
+    const geometry::ShapeGroup &of_a = part.groups.get_a(), &of_b = part.groups.get_b();
+    if (geometry::calc_lower_bound(of_a, near_a, of_b, near_b) > out.least.distance) continue;
+    const geometry::GroupDistance found = part.groups.calc_distance(near_a, near_b);
     if (found.least.distance < out.least.distance)
       out = {found.least, part.shapes_a[static_cast<std::size_t>(found.shape_a)],
              part.shapes_b[static_cast<std::size_t>(found.shape_b)]};
@@ -145,7 +146,7 @@ PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement&
 double ClearanceMonitor::get_size(std::size_t pair) const {
   double size = 0;
   for (const Part& part : parts_[pair])
-    for (const geometry::ShapeGroup* group : {&part.a, &part.b})
+    for (const geometry::ShapeGroup* group : {&part.groups.get_a(), &part.groups.get_b()})
       if (std::isfinite(group->bound)) size = std::max(size, group->bound + norm(group->centre));
   for (const MeshPart& part : mesh_parts_[pair]) {
     for (const auto& mesh : {part.mesh, part.other_mesh})

@@ -11,6 +11,7 @@
 
 #include "hil/scenario/model/pose.h"
 #include "hil/scenario/shapes/shapes.h"
+#include "unlatch/group_pair.h"
 #include "unlatch/model.h"
 #include "unlatch/state.h"
 
@@ -53,7 +54,7 @@ struct Clearance {
   double rate = 0;  // m/s, at the last update; below 0 the bodies approach
 };
 
-// Distances of watched pairs. Excepted shapes are handled by dividing a pair into parts without them.
+// Distances of watched pairs, for one thread. Excepted shapes are handled by dividing a pair into parts without them.
 class ClearanceMonitor {
  public:
   // `shapes`: shapes of each body; `ground`: those fixed in W. Throws std::invalid_argument if a pair names an unknown
@@ -80,7 +81,7 @@ class ClearanceMonitor {
  private:
   // All shapes of one group against all shapes of the other; shapes of the kernel.
   struct Part {
-    geometry::ShapeGroup a, b;
+    mutable geometry::GroupPair groups;   // keeps bounds, no result
     std::vector<int> shapes_a, shapes_b;  // indices in the bodies
   };
   // A shape and a mesh, or two meshes.

@@ -9,6 +9,7 @@
 #include "kernel/geometry/groups.h"
 #include "tests/kernel/geometry/solids.h"
 #include "tests/support/malloc_guard.h"
+#include "unlatch/group_pair.h"
 
 namespace unlatch::test {
 namespace {
@@ -224,6 +225,63 @@ TEST(GeometryMotion, BoundsByBoxesAreBelowTheDistanceAndOftenNearIt) {
   const CompiledShape ball = compile_shape(Shape{.kind = ShapeKind::kSphere, .radius = 0.1});
   const CompiledShape strip = compile_shape(Shape{.kind = ShapeKind::kBox, .size = {4, 0.2, 0.2}});
   EXPECT_NEAR(calc_lower_bound(ball, {{1.5, 0.3, 0}, kIdentity3}, strip, {}), 0.1, 1e-11);
+}
+
+TEST(GeometryMotion, SlabsBetweenBoxesAreBelowTheDistanceOverlapsIncluded) {
+  constexpr std::uint64_t kSeed = 11;
+  Random random(kSeed);
+  int overlaps = 0, near = 0, apart = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const int kind_a = random.below(kKinds), kind_b = random.below(7);
+    const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+    if (kind_a == 8 && i % 8) continue;  // walls take longer
+    const Placement at_a = draw_placement(random, i % 2 ? 2 : 0.5), at_b = draw_placement(random, i % 2 ? 2 : 0.5);
+    const geometry::Box box_a = build_box(a, at_a, at_a.p_WB), box_b = build_box(b, at_b, at_a.p_WB);
+    const double d = calc_distance(a, at_a, b, at_b).distance, bound = calc_slab_bound(box_a, box_b);
+    ASSERT_LE(bound, d) << "seed " << kSeed << ": " << kind_a << " " << kind_b << " at " << i;
+    ASSERT_LE(calc_slab_bound(box_b, box_a), d) << "seed " << kSeed << ": " << kind_a << " " << kind_b << " at " << i;
+    overlaps += d<0, apart += d> 0.5, near += d > 0.5 && bound > 0.7 * d;
+  }
+  EXPECT_GT(overlaps, 1000);
+  EXPECT_GT(near, apart / 2) << "of " << apart;
+}
+
+// Bodies of many shapes that creep and turn: all pairs, computed one by one, are the reference.
+TEST(GeometryMotion, GroupsInMotionHaveTheBitsOfAllTheirPairs) {
+  constexpr std::uint64_t kSeed = 12;
+  Random random(kSeed);
+  int overlaps = 0;
+  for (int round = 0; round < 40; ++round) {
+    std::vector<Shape> parts_a, parts_b;
+    const int count_a = 1 + random.below(round % 8 == 0 ? 26 : 7), count_b = 1 + random.below(5);
+    for (int i = 0; i < count_a; ++i) parts_a.push_back(draw_any(random, random.below(8)));
+    for (int i = 0; i < count_b; ++i) parts_b.push_back(draw_any(random, random.below(7)));
+    if (round % 5 == 0) parts_b.push_back(parts_b.front());  // equal distances: the first pair is the result
+    geometry::GroupPair pair(build_group("a", parts_a), build_group("b", parts_b));
+    const Placement at_a = draw_placement(random, 1);
+    Placement at_b = draw_placement(random, 3);
+    const Vec3 v = 0.02 * draw_direction(random), w = draw_direction(random);
+    for (int step = 0; step < 60; ++step) {
+      const double half = 0.5 * (step % 20 == 19 ? 1.0 : 0.01);  // now and then far at once
+      at_b.p_WB += (step % 20 == 19 ? 40.0 : 1.0) * v;
+      at_b.R_WB = rotation_matrix(normalized(Quat{1, half * w.x, half * w.y, half * w.z})) * at_b.R_WB;
+      geometry::GroupDistance all;
+      for (std::size_t i = 0; i < parts_a.size(); ++i)
+        for (std::size_t k = 0; k < parts_b.size(); ++k) {
+          const Distance d = calc_distance(get_parts(pair.get_a())[i], at_a, get_parts(pair.get_b())[k], at_b);
+          if (d.distance < all.least.distance) all = {d, static_cast<int>(i), static_cast<int>(k)};
+        }
+      const geometry::GroupDistance least = calc_distance(pair.get_a(), at_a, pair.get_b(), at_b);
+      for (const geometry::GroupDistance& found : {least, pair.calc_distance(at_a, at_b)}) {
+        ASSERT_EQ(found.least.distance, all.least.distance) << "seed " << kSeed << ", " << round << ", " << step;
+        ASSERT_EQ(found.shape_a, all.shape_a) << "seed " << kSeed << ", " << round << ", " << step;
+        ASSERT_EQ(found.shape_b, all.shape_b) << "seed " << kSeed << ", " << round << ", " << step;
+        ASSERT_EQ(found.least.on_b.x, all.least.on_b.x);
+      }
+      overlaps += all.least.distance < 0;
+    }
+  }
+  EXPECT_GT(overlaps, 100);
 }
 
 }  // namespace

@@ -136,6 +136,29 @@ PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& 
   return out;
 }
 
+double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
+                               const MovingFrame& follower, double rate, double step) noexcept {
+  constexpr double kMoment = 0.01;  // of the step
+  const double t = kMoment * step;
+  const auto advance = [t](const MovingFrame& body) {
+    const BodyFrame& at = body.frame;
+    const Vec3 turn = t * (at.w + (0.5 * t) * body.acceleration.ang);
+    const auto rotate = [&turn](const Vec3& axis) {
+      const Vec3 once = cross(turn, axis);
+      return axis + (once + 0.5 * cross(turn, once));
+    };
+    BodyFrame out = at;
+    out.R = {rotate(at.R.x), rotate(at.R.y), rotate(at.R.z)};
+    out.p = at.p + t * (at.v + (0.5 * t) * body.acceleration.lin);
+    out.v = at.v + t * body.acceleration.lin;
+    out.w = at.w + t * body.acceleration.ang;
+    return out;
+  };
+  const BodyFrame later_base = advance(base), later_follower = advance(follower);
+  const geometry::Distance d = calc_pair_distance(plan, pair, later_base, later_follower);
+  return (-calc_rate(d, calc_velocity(later_base, later_follower, calc_middle(d))) - rate) / t;
+}
+
 void ContactKind::add_forces(const Instant& now, const PlanContact& contact, double scale, Evaluation& ev) {
   const PlanData& plan = now.plan;
   const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;

@@ -32,6 +32,16 @@ struct PairForce {
 PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& distance, const BodyFrame& base,
                           const BodyFrame& follower, double scale) noexcept;
 
+// A body and the acceleration of its origin.
+struct MovingFrame {
+  BodyFrame frame;
+  Spatial acceleration;  // W axes
+};
+// Second derivative of the depth of a pair, m/s², from its rate now and that a moment later. `step`: of which a moment
+// is a small part, s.
+double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
+                               const MovingFrame& follower, double rate, double step) noexcept;
+
 // k δⁿ⁺¹/(n + 1) at scale 1, J.
 double calc_stored(const PlanContact& contact, double depth) noexcept;
 

@@ -10,9 +10,37 @@
 namespace unlatch {
 namespace {
 
-// Largest parts, in 1 / rate. RK4's error of a blow is some (ω h)⁴/120 of its depth; of sticking, whose slip decays,
-// less is needed.
-constexpr double kBlow = 0.2, kSlip = 1.0;
+// Largest parts, in 1 / rate: of a blow, of a slip that decays, of a vibration that is small beside the depth, and of
+// all closed pairs together, whose rates add up where they hold one body (RK4 is stable to 2.8).
+constexpr double kBlow = 0.2, kSlip = 1.0, kSettled = 1.0, kStable = 2.0;
+
+// Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay; and the parts per second that it needs.
+struct PairRates {
+  double omega = 0, damping = 0, slip = 0, parts = 0;
+};
+
+// Acceleration of a carrier, of its origin, W.
+Spatial get_acceleration(const PlanShapes& shapes, const Evaluation& ev) {
+  if (shapes.body == kGround) return {{0, 0, 0}, {0, 0, 0}};
+  return ev.get_acceleration(shapes.body);
+}
+
+// The longest part, in 1 / rate. RK4's error of a blow is some (ω h)⁴/120 of the vibration, which may be as large as
+// the depth while shapes meet and part, and is small beside it once they rest on each other or slide.
+double calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates, const ClosedPair& pair,
+                    const BodyFrame& base, const BodyFrame& follower, const Evaluation& ev) {
+  if (!plan.rigid || !(rates.omega > 0)) return kBlow;  // accelerations of markers are not known before the readings
+  const PlanContact& contact = plan.contacts[at(plan.contact_pairs[i].contact)];
+  const double second = calc_depth_acceleration(
+      plan, plan.contact_pairs[i], {base, get_acceleration(plan.shapes[at(contact.base)], ev)},
+      {follower, get_acceleration(plan.shapes[at(contact.follower)], ev)}, pair.rate, plan.options.dt);
+  const double fast = pair.rate / rates.omega, bent = second / (rates.omega * rates.omega);
+  const double vibration = std::sqrt(fast * fast + bent * bent),
+               depth = std::sqrt(pair.depth * pair.depth + fast * fast);
+  constexpr double kLeast = (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled);
+  if (!(vibration > kLeast * depth)) return kSettled;
+  return kBlow * std::max(1.0, std::sqrt(std::sqrt(depth / vibration)));
+}
 
 // Mobility of a carrier, 1/kg: acceleration along the unit vector u of its material at a point, per force along u
 // there.
@@ -38,8 +66,7 @@ Blow calc_blow(const PlanContact& contact, double energy, double scale) {
 double calc_approach(const PlanData& plan, const ClosedPair& pair, const PlanShapes& base, const BodyFrame& at_base,
                      const PlanShapes& follower, const BodyFrame& at_follower, const Evaluation& ev) {
   const auto calc_acceleration = [&](const PlanShapes& shapes, const BodyFrame& body) {
-    if (shapes.body == kGround) return Vec3{0, 0, 0};
-    const Spatial a = ev.get_acceleration(shapes.body);
+    const Spatial a = get_acceleration(shapes, ev);
     return a.lin + cross(a.ang, pair.point - body.p);
   };
   if (!plan.rigid) return std::abs(pair.rate);  // accelerations of markers are not known before the readings
@@ -47,43 +74,55 @@ double calc_approach(const PlanData& plan, const ClosedPair& pair, const PlanSha
   return std::abs(pair.rate) + std::max(0.0, dot(pair.normal, gained)) * plan.options.dt;
 }
 
-// Parts per second that the pair needs.
-double calc_rate(const PlanData& plan, const ClosedPair& pair, const PlanContact& contact, double scale,
-                 const Evaluation& ev) {
+// `i`: number of the pair.
+PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& contact, double scale,
+                     const Evaluation& ev) {
+  const ClosedPair& pair = ev.closed_pairs[i];
   const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
   const BodyFrame base = get_body_frame(ev, a.body), follower = get_body_frame(ev, b.body);
   const auto calc = [&](const Vec3& u) {
     return calc_mobility(a, base, pair.point, u) + calc_mobility(b, follower, pair.point, u);
   };
   const double along_normal = calc(pair.normal);
-  if (!(along_normal > 0)) return 0;
+  PairRates out;
+  if (!(along_normal > 0)) return out;
   const double approach = calc_approach(plan, pair, a, base, b, follower, ev);
   const double energy = scale * calc_stored(contact, pair.depth) + 0.5 * approach * approach / along_normal;
-  if (!(energy > 0)) return 0;
+  if (!(energy > 0)) return out;
   const Blow blow = calc_blow(contact, energy, scale);
-  const double omega = std::sqrt(blow.stiffness * along_normal), damping = blow.force * contact.damping * along_normal;
-  double fastest = std::max(omega, damping) / kBlow;
+  out.omega = std::sqrt(blow.stiffness * along_normal);
+  out.damping = blow.force * contact.damping * along_normal;
   if (contact.friction > 0) {
     const Vec3 helper = std::abs(pair.normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 across = cross(pair.normal, helper), t = (1 / norm(across)) * across;
     const double along = std::max(calc(t), calc(cross(pair.normal, t)));
     const double slip = std::sqrt(dot(pair.slip, pair.slip) + contact.slip_speed * contact.slip_speed);
-    fastest = std::max(fastest, contact.friction * blow.force * along / (slip * kSlip));
+    out.slip = contact.friction * blow.force * along / slip;
   }
-  return fastest;
+  const double fast = std::max(out.omega, out.damping);
+  const bool needs_parts = fast * plan.options.dt > kBlow;
+  const double longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : kBlow;
+  out.parts = std::max(fast / longest, out.slip / kSlip);
+  return out;
 }
 
 }  // namespace
 
 int count_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
-  double fastest = -1;  // no pair is closed
+  double most = 0, square = 0, damping = 0, slip = 0;
   for (const PlanContact& contact : plan.contacts)
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
       if (plan.contact_substeps != kAutomaticSubsteps) return plan.contact_substeps;
       const double scale = calc_scale(state.elements[at(contact.element)], t);
-      fastest = std::max(fastest, scale > 0 ? calc_rate(plan, ev.closed_pairs[i], contact, scale, ev) : 0);
+      if (!(scale > 0)) continue;
+      const PairRates own = calc_rates(plan, i, contact, scale, ev);
+      most = std::max(most, own.parts);
+      square += own.omega * own.omega;
+      damping += own.damping;
+      slip += own.slip;
     }
+  const double fastest = std::max(most, std::max(std::sqrt(square), std::max(damping, slip)) / kStable);
   int parts = 1;
   while (parts < kMaxAutomaticSubsteps && plan.options.dt * fastest > parts) parts *= 2;
   return parts;

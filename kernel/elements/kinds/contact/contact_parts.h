@@ -8,6 +8,9 @@
 //             energy now + ½ m v²; and the damping there, k δⁿ d m⁻¹
 //   friction  μ F m⁻¹ / √(v_t² + v_s²), F the force at that depth
 //
+// A blow is resolved within 0.2 of its rate; a vibration that is a small part of the depth, less finely: what the
+// method errs by is a part of the vibration (THEORY.md).
+//
 // Where even kMaxAutomaticSubsteps parts do not resolve a pair, the step goes on with so many; hil's notices report it.
 #pragma once
 
