@@ -6,6 +6,10 @@ steps that do not resolve the motion. Run by ctest:
 """
 import json
 import math
+import os
+import pty
+import re
+import subprocess
 import sys
 
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
@@ -152,6 +156,26 @@ class AccuracyTest(ProcessTest):
             if entry["what"].startswith("final attitude"):
                 self.assertLess(entry["error"], FACTOR * 1e-4)
         self.assertGreater(step, 0.002)
+
+    def test_the_search_for_a_step_takes_as_many_steps_as_the_three_runs_at_most(self):
+        counts = []
+        for tolerance in ("1e-3", "1e-6", "1e-9", "1e-13"):
+            terminal, other = pty.openpty()  # progress is printed on terminals alone
+            with subprocess.Popen([UNLATCH, "run", SCENARIOS / "tree3/reference.yaml", "--dt", "0.002", "--until", "1", "--accuracy", tolerance],
+                                  stdout=subprocess.DEVNULL, stderr=other):
+                os.close(other)
+                text = ""
+                try:
+                    while part := os.read(terminal, 4096):
+                        text += part.decode()
+                except OSError:  # Linux: the other end is closed
+                    pass
+            os.close(terminal)
+            steps = [float(step) for step in re.findall(r"accuracy: .*, at a step of (\S+) s", text)]
+            self.assertEqual(steps[:2], [0.001, 0.0005], text)
+            counts.append(len(steps) - 2)
+            self.assertLessEqual(sum(0.002 / step for step in steps[2:]), 1 + 2 + 4, f"{tolerance}: {text}")
+        self.assertGreaterEqual(max(counts), 1, "no trial was seen")
 
     def test_a_linkage_that_turns_far_in_a_step_is_told(self):
         result = call(UNLATCH, "run", self.write(LINKAGE), "--json", "-")

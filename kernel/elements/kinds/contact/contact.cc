@@ -237,6 +237,11 @@ ContactTotals get_contact_totals(const Plan& plan, const State& state, int conta
 
 namespace {
 
+bool is_closed(const State& state, const PlanContact& contact) {
+  const auto pairs = state.contacts.subspan(at(contact.first_pair), at(contact.pairs));
+  return std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; });
+}
+
 // `base`, `follower`: bodies of the surfaces at this instant.
 ContactReading read_contact(const PlanData& plan, const State& state, double scale, const PlanContact& own,
                             const BodyFrame& base, const BodyFrame& follower) {
@@ -268,7 +273,7 @@ ContactReading read_contact(const PlanData& plan, const State& state, double sca
 ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept {
   const PlanContact& own = now.plan.contacts[at(contact)];
   const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
-  if (scale == 0) return {};
+  if (scale == 0 || !is_closed(now.state, own)) return {};
   return read_contact(now.plan, now.state, scale, own, get_body_frame(ev, now.plan.shapes[at(own.base)].body),
                       get_body_frame(ev, now.plan.shapes[at(own.follower)].body));
 }
@@ -277,7 +282,7 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
   const PlanData& plan = get_data(owner);
   const PlanContact& own = plan.contacts[at(contact)];
   const double scale = calc_scale(state.elements[at(own.element)], plan.get_time(state.header->tick));
-  if (scale == 0) return {};
+  if (scale == 0 || !is_closed(state, own)) return {};
   return read_contact(plan, state, scale, own, calc_body_frame(state, plan.shapes[at(own.base)].body),
                       calc_body_frame(state, plan.shapes[at(own.follower)].body));
 }
