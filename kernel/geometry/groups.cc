@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "unlatch/group_pair.h"
+#include "unlatch/geometry/group_pair.h"
 
 namespace unlatch::geometry {
 namespace {

@@ -6,7 +6,7 @@
 #include "kernel/geometry/compiled_shape.h"
 #include "kernel/geometry/core.h"
 #include "kernel/math/number_text.h"
-#include "unlatch/group_pair.h"
+#include "unlatch/geometry/group_pair.h"
 
 namespace unlatch::geometry {
 namespace {

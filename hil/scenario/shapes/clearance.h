@@ -11,7 +11,7 @@
 
 #include "hil/scenario/model/pose.h"
 #include "hil/scenario/shapes/shapes.h"
-#include "unlatch/group_pair.h"
+#include "unlatch/geometry/group_pair.h"
 #include "unlatch/model.h"
 #include "unlatch/state.h"
 

@@ -9,7 +9,7 @@
 #include "kernel/geometry/groups.h"
 #include "tests/kernel/geometry/solids.h"
 #include "tests/support/malloc_guard.h"
-#include "unlatch/group_pair.h"
+#include "unlatch/geometry/group_pair.h"
 
 namespace unlatch::test {
 namespace {
