@@ -43,10 +43,8 @@ void add_efforts(const Instant& now, Evaluation& ev) {
       const Effort effort = Kind::calc(StageMotion{now, ev}, own, i, scale);
       if (!effort.acts) continue;
       const Vec3 push = effort.size * effort.direction;
-      if (effort.turns)
-        turn_apart(ev, effort.base, effort.follower, push);
-      else
-        push_apart(ev, effort.base, effort.follower, effort.r_base, effort.r_follower, push);
+      push_apart(ev, effort.base, effort.follower,
+                 effort.turns ? calc_wrenches(push) : calc_wrenches(effort.r_base, effort.r_follower, push));
     } else {
       Kind::add_forces(now, own, scale, ev);
     }

@@ -7,22 +7,23 @@
 
 namespace unlatch {
 
+// Opposite wrenches on two bodies, at their origins, of a force at arms from these; of a torque. N, m, N m.
+struct OppositeWrenches {
+  Spatial on_base, on_follower;
+};
+inline OppositeWrenches calc_wrenches(const Vec3& r_base, const Vec3& r_follower, const Vec3& force) {
+  return {{-force, -cross(r_base, force)}, {force, cross(r_follower, force)}};
+}
+inline OppositeWrenches calc_wrenches(const Vec3& torque) { return {{{0, 0, 0}, -torque}, {{0, 0, 0}, torque}}; }
+
 // On one body, at its origin; N, N m.
 inline void push(Evaluation& ev, int body, const Vec3& force, const Vec3& torque) {
   if (body != kGround) add(ev.blocks.data(), ev.places[at(body)], &SharedLane::force, {force, torque});
 }
 
-// A force at arms from the bodies' origins, N, m.
-inline void push_apart(Evaluation& ev, int base, int follower, const Vec3& r_base, const Vec3& r_follower,
-                       const Vec3& force) {
-  push(ev, follower, force, cross(r_follower, force));
-  push(ev, base, -force, -cross(r_base, force));
-}
-
-// A torque, N m.
-inline void turn_apart(Evaluation& ev, int base, int follower, const Vec3& torque) {
-  push(ev, follower, {0, 0, 0}, torque);
-  push(ev, base, {0, 0, 0}, -torque);
+inline void push_apart(Evaluation& ev, int base, int follower, const OppositeWrenches& wrenches) {
+  push(ev, follower, wrenches.on_follower.lin, wrenches.on_follower.ang);
+  push(ev, base, wrenches.on_base.lin, wrenches.on_base.ang);
 }
 
 }  // namespace unlatch

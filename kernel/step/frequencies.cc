@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "kernel/dispatch/kernels.h"
-#include "kernel/dynamics/flexible.h"
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/elements/push.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
@@ -13,28 +13,28 @@
 namespace unlatch {
 namespace {
 
-// Wrenches of an element with unit effort: equal and opposite on two bodies, at their origins.
+// Wrenches of an element with unit effort.
 struct UnitEffort {
   int base, follower;
-  Spatial on_base, on_follower;
+  OppositeWrenches wrenches;
 };
 
-// The same of an element that has no direction now: along x.
+// Of an element that has no direction now: along x.
 UnitEffort calc_unit(const Effort& effort) {
   const Vec3 e = norm(effort.direction) > 0 ? effort.direction : Vec3{1, 0, 0};
-  if (effort.turns) return {effort.base, effort.follower, {{0, 0, 0}, -e}, {{0, 0, 0}, e}};
-  return {effort.base, effort.follower, {-e, -cross(effort.r_base, e)}, {e, cross(effort.r_follower, e)}};
+  return {effort.base, effort.follower,
+          effort.turns ? calc_wrenches(e) : calc_wrenches(effort.r_base, effort.r_follower, e)};
 }
 
 // Acceleration along the element that its unit effort brings about: 1 / effective mass.
 double calc_mobility(const PlanData& plan, const UnitEffort& effort, Evaluation& ev) {
   double* blocks = ev.blocks.data();
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
-  if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.on_base);
-  write(blocks, ev.places[at(effort.follower)], &SharedLane::force, effort.on_follower);
+  if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.wrenches.on_base);
+  write(blocks, ev.places[at(effort.follower)], &SharedLane::force, effort.wrenches.on_follower);
   get_kernels(plan).solve(plan, ev, {.source = Source::kBodyForces, .biased = false, .multipliers = false});
-  double sum = dot(effort.on_follower, ev.get_acceleration(effort.follower));
-  if (effort.base != kGround) sum += dot(effort.on_base, ev.get_acceleration(effort.base));
+  double sum = dot(effort.wrenches.on_follower, ev.get_acceleration(effort.follower));
+  if (effort.base != kGround) sum += dot(effort.wrenches.on_base, ev.get_acceleration(effort.base));
   return sum > 0 ? sum : 0;
 }
 

@@ -12,6 +12,7 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
+#include "kernel/solver/loop_rows.h"
 #include "kernel/step/state_copy.h"
 #include "kernel/step/velocities.h"
 #include "unlatch/step.h"
@@ -163,22 +164,22 @@ class Linearisation {
     return a;
   }
 
-  // Adds the coefficients of lin · v + ang · w of a body, world axes, to a row of coefficients of the velocities.
-  void add_coefficients(int body, const Vec3& lin, const Vec3& ang, Eigen::Ref<Eigen::RowVectorXd> row) {
+  // Adds the coefficients of a wrench's power on a body to a row of coefficients of the velocities.
+  void add_coefficients(int body, const Spatial& wrench, Eigen::Ref<Eigen::RowVectorXd> row) {
     if (body == kGround) return;
     const Index first = velocities_.first(at(body));
     if (first != kNone) {
       const Mat3 R = read(ev().blocks.data(), ev().places[at(body)], &BodyLane::R);
-      row.segment<3>(first) += to_eigen(lin).transpose();
-      row.segment<3>(first + 3) += to_eigen(transpose_times(R, ang)).transpose();
+      row.segment<3>(first) += to_eigen(wrench.lin).transpose();
+      row.segment<3>(first + 3) += to_eigen(transpose_times(R, wrench.ang)).transpose();
       return;
     }
     const auto marker = std::ranges::find(plan_.markers, body, &PlanMarker::body);
     const PlanFlexible& own = plan_.flexible[at(marker->flexible)];
     const MarkerWork work = get_marker(own, static_cast<int>(marker - plan_.markers.begin()) - own.first_marker, ev());
-    add_coefficients(own.body, lin, ang + cross(*work.arm, lin), row);
+    add_coefficients(own.body, shift_wrench(wrench, *work.arm), row);
     for (int k = 0; k < own.modes; ++k)
-      row[velocities_.modal(at(marker->flexible)) + k] += dot(Spatial{lin, ang}, work.columns[at(k)]);
+      row[velocities_.modal(at(marker->flexible)) + k] += dot(wrench, work.columns[at(k)]);
   }
 
   // Coefficients of a coordinate's speed in the velocities, at the evaluation of the latest update().
@@ -197,15 +198,8 @@ class Linearisation {
       case Kind::kJoint: {
         const PlanJoint& joint = plan_.joints[at(own.subject)];
         const JointFrame frame = get_joint_frame(plan_, state_, ev(), own.subject);
-        if (own.axis < kRotX) {
-          const Vec3 n = column(frame.n, own.axis);
-          add_coefficients(joint.follower, n, cross(frame.r_follower, n), row);
-          add_coefficients(joint.base, -n, -cross(frame.r_base, n), row);
-        } else {
-          const Vec3 m = column(frame.m, own.axis - kRotX);
-          add_coefficients(joint.follower, {0, 0, 0}, m, row);
-          add_coefficients(joint.base, {0, 0, 0}, -m, row);
-        }
+        add_coefficients(joint.follower, calc_row_wrench(frame, own.axis, true), row);
+        add_coefficients(joint.base, calc_row_wrench(frame, own.axis, false), row);
         break;
       }
     }
