@@ -14,7 +14,7 @@ constexpr std::align_val_t kAlignment{kImageAlignment};
 
 std::size_t round_up(std::size_t bytes) { return (bytes + kImageAlignment - 1) / kImageAlignment * kImageAlignment; }
 
-// Bytes between members hold nothing in particular otherwise.
+// The bytes between members would have arbitrary values otherwise.
 template <class T>
 void clear_padding([[maybe_unused]] T& record) {
 #if defined(__GNUC__) && !defined(__clang__)

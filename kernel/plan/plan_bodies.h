@@ -24,7 +24,7 @@ struct PlanMarker {
   std::int32_t body, flexible;
   std::int32_t numbers;  // into PlanData::modal: Φ, then Ψ, three per mode
   Vec3 position;         // undeformed, from the body's origin, body axes, m
-  bool bare;             // no joint hangs on it
+  bool bare;             // no joint is at it
 };
 
 struct MassKnot {

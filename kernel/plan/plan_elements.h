@@ -137,7 +137,7 @@ struct GravityField {
 // In PlanLists.
 template <template <class> class List>
 struct PlanElementLists {
-  List<PlanCoordinate> coordinates;  // that somebody reads, or their rates
+  List<PlanCoordinate> coordinates;  // that are read, or their rates
   List<PlanLoad> loads;
   List<std::int32_t> external_loads;  // of these, those that stand apart or burn something
   List<PlanPointSpring> point_springs;

@@ -1,5 +1,5 @@
-// The one table of quantities. A new kind: an enumerator in unlatch/model/quantity.h, its calculation in the file of
-// its family, a row here.
+// The one table of quantities, in one file whatever its length. A new kind: an enumerator in unlatch/model/quantity.h,
+// its calculation in the file of its family, a row here.
 #include <cstddef>
 #include <iterator>
 

@@ -72,7 +72,7 @@ void begin_block(const Node& node, const Evaluation& ev, const Sweep& sweep) {
   }
 }
 
-// Adds a marker that something may hang on; its load is added to `b` and `free`.
+// Adds an outboard marker, with the blocks of the bodies that it carries; its load is added to `b` and `free`.
 void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sweep& sweep, int i, bool with_block,
                 Spatial& b) {
   const PlanMarker& marker = plan.markers[at(i)];
