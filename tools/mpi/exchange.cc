@@ -87,7 +87,7 @@ class Leader {
         for (int rank = 1; rank < ranks_; ++rank) mailbox_.send(rank, kEnd, {});  // those that left wait for it
         ended = true;
       }
-      if (!ended) give();
+      if (!ended) assign();
     }
     mailbox_.flush();
   }
@@ -98,10 +98,10 @@ class Leader {
     joined_.insert(rank);
   }
 
-  void give() {
+  void assign() {
     const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     for (const int rank : joined_) {
-      const std::vector<hil::PlannedSample> samples = source_.give(rank, now);
+      const std::vector<hil::PlannedSample> samples = source_.assign(rank, now);
       if (samples.empty()) continue;
       if (rank == 0)
         pool_.add(samples);

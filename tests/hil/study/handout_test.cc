@@ -43,7 +43,7 @@ std::vector<std::vector<std::int64_t>> simulate(Handout& handout, const std::vec
         worker.busy_until = now + cost[w];
       }
       const bool idle = worker.waiting.empty();
-      for (const std::int64_t sample : handout.give(static_cast<int>(w), now)) worker.waiting.push_back(sample);
+      for (const std::int64_t sample : handout.assign(static_cast<int>(w), now)) worker.waiting.push_back(sample);
       if (idle) worker.busy_until = now + cost[w];
     }
   }
@@ -79,7 +79,7 @@ TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
   Handout handout(0, 4, {});
   handout.join(0, 1);
   handout.join(1, 1);
-  const std::vector<std::int64_t> given = handout.give(0, 0);
+  const std::vector<std::int64_t> given = handout.assign(0, 0);
   ASSERT_FALSE(given.empty());
   EXPECT_FALSE(handout.take(1, given[0]));  // another worker's sample
   EXPECT_FALSE(handout.take(7, given[0]));  // unknown worker
@@ -93,14 +93,14 @@ TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
 TEST(Handout, ExtendedItGivesWhatIsMissingThere) {
   Handout handout(0, 3, {1, 4, 7});
   handout.join(0, 20);
-  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{0, 2}));
+  EXPECT_EQ(handout.assign(0, 0), (std::vector<std::int64_t>{0, 2}));
   handout.extend(6);
   handout.extend(5);
-  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{3, 5}));
+  EXPECT_EQ(handout.assign(0, 0), (std::vector<std::int64_t>{3, 5}));
   for (const std::int64_t sample : {0, 2, 3, 5}) EXPECT_TRUE(handout.take(0, sample));
   EXPECT_TRUE(handout.is_finished());
   handout.extend(8);
-  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{6}));
+  EXPECT_EQ(handout.assign(0, 0), (std::vector<std::int64_t>{6}));
 }
 
 TEST(Handout, NothingMissingIsFinished) { EXPECT_TRUE(Handout(0, 2, {1, 0}).is_finished()); }

@@ -63,7 +63,7 @@ std::int64_t Handout::calc_share(const Worker& worker, double now) const {
   return std::min(wanted, std::max<std::int64_t>(worker.threads, fair));
 }
 
-std::vector<std::int64_t> Handout::give(int worker, double now) {
+std::vector<std::int64_t> Handout::assign(int worker, double now) {
   Worker& to = workers_.at(worker);
   std::int64_t count = std::min(calc_share(to, now) - static_cast<std::int64_t>(to.samples.size()), not_given_);
   std::vector<std::int64_t> samples;

@@ -23,7 +23,7 @@ class Handout {
   // Adds a worker, identified by any number, with its threads.
   void join(int worker, int threads);
   // Samples to run now, if any; `now`: s, from any origin, never less than before.
-  std::vector<std::int64_t> give(int worker, double now);
+  std::vector<std::int64_t> assign(int worker, double now);
   // Notes a result. False: the worker has no such sample, or its result was noted before.
   bool take(int worker, std::int64_t sample);
   // True once all results are noted.

@@ -36,7 +36,7 @@ void run_samples(const Campaign& campaign, const SampleEvaluator& evaluator, std
   SamplePool pool(campaign, evaluator, jobs);
   const auto begin = Clock::now();
   while (!stop && !source.is_finished()) {
-    pool.add(source.give(kHere, std::chrono::duration<double>(Clock::now() - begin).count()));
+    pool.add(source.assign(kHere, std::chrono::duration<double>(Clock::now() - begin).count()));
     for (const SampleRecord& record : pool.take(kTurn)) {
       source.take(kHere, record);
       results.append(record);

@@ -31,9 +31,9 @@ std::vector<double> SampleSource::draw(std::int64_t sample) const {
   return subset_ ? calc_inputs(campaign_, subset_->calc_point(sample)) : draw_inputs(campaign_, sample);
 }
 
-std::vector<PlannedSample> SampleSource::give(int worker, double now) {
+std::vector<PlannedSample> SampleSource::assign(int worker, double now) {
   std::vector<PlannedSample> planned;
-  for (const std::int64_t sample : handout_.give(worker, now)) planned.push_back({sample, draw(sample)});
+  for (const std::int64_t sample : handout_.assign(worker, now)) planned.push_back({sample, draw(sample)});
   return planned;
 }
 

@@ -28,7 +28,7 @@ class SampleSource {
   // Adds a worker, identified by any number, with its threads.
   void join(int worker, int threads) { handout_.join(worker, threads); }
   // Samples to run now, if any; `now`: s, from any origin, never less than before.
-  std::vector<PlannedSample> give(int worker, double now);
+  std::vector<PlannedSample> assign(int worker, double now);
   // Takes a result. Throws ResultError if the worker was not given this sample, or other inputs.
   void take(int worker, const SampleRecord& record);
   // True once all results are there.
