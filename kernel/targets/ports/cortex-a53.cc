@@ -1,6 +1,7 @@
 // Cortex-A53: `qemu-system-aarch64 -M virt -cpu cortex-a53 -semihosting`. Memory is used without translation, so that
 // code must keep natural alignment (-mstrict-align). The virtual counter goes at 62.5 MHz; with `-icount shift=0` one
 // count is 16 instructions.
+#include "kernel/targets/ports/run.h"
 #include "kernel/targets/ports/semihosting.h"
 
 namespace unlatch::target {

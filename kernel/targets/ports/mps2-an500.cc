@@ -1,6 +1,7 @@
 // Cortex-M7 with double-precision FPU: Arm's MPS2 board with the image AN500, or `qemu-system-arm -M mps2-an500`.
 // Output by semihosting, so that a debugger shows it too. SysTick counts time; with `-icount shift=0` QEMU's clock goes
 // on by 1 ns with each instruction, so that one count of SysTick, at 25 MHz, is 40 instructions.
+#include "kernel/targets/ports/run.h"
 #include "kernel/targets/ports/semihosting.h"
 
 extern "C" {

@@ -1,5 +1,6 @@
 // RISC-V with 64 bits and double-precision FPU: `qemu-system-riscv64 -M virt -bios none -semihosting`, machine mode.
 // The register instret counts instructions (with `-icount shift=0`).
+#include "kernel/targets/ports/run.h"
 #include "kernel/targets/ports/semihosting.h"
 
 namespace unlatch::target {

@@ -1,4 +1,4 @@
-// Output and end of a program by semihosting: the debugger or the emulator that runs it serves calls.
+// write() and finish() of port.h by semihosting: the debugger or the emulator that runs the program serves calls.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,3 @@ namespace unlatch::target {
 std::uintptr_t call_debugger(std::uintptr_t operation, const void* argument);
 
 }  // namespace unlatch::target
-
-extern "C" {
-int main();
-// Of the port, before anything else runs: the stack and the FPU are ready.
-[[noreturn]] void target_run();
-// Of exceptions: prints "fault" and ends the program with code 2.
-[[noreturn]] void target_fault();
-}
