@@ -53,7 +53,7 @@ struct EventCheck {
     if (action.kind != Kind::kSetMode || !check_subject("joint", action.subject, model.joints.size(), "then")) return;
     const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];
     if (!is_index(action.mode, joint.modes.size()))
-      report("it sets a mode that joint '" + joint.name + "' has not", "the index of one of its modes", "then");
+      report("it sets a mode that joint '" + joint.name + "' does not have", "the index of one of its modes", "then");
   }
 };
 

@@ -51,11 +51,11 @@ struct QuantityCheck {
   bool check_subject(SubjectOf of, int subject) {
     const bool exists = of == SubjectOf::kNothing || is_index(subject, count_subjects(model, of));
     if (of == SubjectOf::kCord && !(exists && model.one_sided[static_cast<std::size_t>(subject)].drum)) {
-      report("it reads how far a cord without a drum is wound", "the index of a cord with a drum");
+      report("it reads how far a cord is wound that has no drum", "the index of a cord with a drum");
       return false;
     }
     if (of == SubjectOf::kMassLaw && !(exists && model.bodies[static_cast<std::size_t>(subject)].law)) {
-      report("it reads what a body without a mass law has burnt", "the index of a body with a law");
+      report("it reads what is burnt by a body that has no mass law", "the index of a body with a law");
       return false;
     }
     if (!exists)
@@ -104,7 +104,7 @@ struct QuantityCheck {
       case QuantityValues::kOfMode: {
         const Joint& joint = model.joints[static_cast<std::size_t>(quantity.subject)];
         if (!is_index(part, joint.modes.size()))
-          report("it names a mode that joint '" + joint.name + "' has not", "the index of one of its modes");
+          report("it names a mode that joint '" + joint.name + "' does not have", "the index of one of its modes");
         return;
       }
       case QuantityValues::kVector:

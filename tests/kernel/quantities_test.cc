@@ -199,7 +199,7 @@ TEST(Quantities, MistakesAreReportedWithTheirPlace) {
   check(quantity(Kind::kBurnt, 0), "no mass law");
   check(of_row(Kind::kDisplacement, 0, kRotX), "an axis that this kind of quantity does not have");
   check(of_row(Kind::kReaction, 0, kRotZ + 1), "an axis that this kind of quantity does not have");
-  check(of_row(Kind::kMode, 0, 9), "a mode that joint 'hinge' has not");
+  check(of_row(Kind::kMode, 0, 9), "a mode that joint 'hinge' does not have");
   check(of_row(Kind::kVelocity, 0, Quantity::kAll), "all values of a vector");
   check(quantity(static_cast<Kind>(99), 0), "does not exist");
   check(quantity(Kind::kSince, 0), "the event that it names does not exist");
