@@ -42,13 +42,19 @@ struct GroupModes {
   bool by_freedoms, by_rows;  // some lane is eliminated through its freedoms; some other lane
 };
 
+// Diagonal entries of Λ that belong to a row of a loop, for the decision whether it is independent.
+struct RowEntry {
+  double own;   // its own, before other rows of loops are eliminated
+  double lost;  // of those rows, each as it enters this row's pivot: rounding is relative to own + lost
+  double free;  // its own if nothing held its bodies
+};
+
 // One row of a joint that closes a loop.
 struct LoopRow {
   std::int32_t loop, joint, non_tree, row, base, follower;  // loop, non_tree: the joint's place among those
   std::int32_t pivot;                                       // index of the row that is eliminated in this one's place
   Spatial on_base, on_follower;                             // unit wrenches at the bodies' origins
-  double own;                                               // its diagonal entry of Λ
-  double free;                                              // that entry if nothing held its bodies
+  RowEntry entry;
 };
 
 // A loop that is eliminated where it closes (PlanData::closures). Lanes: rows of its joint.
@@ -60,14 +66,15 @@ struct ClosureWork {
   std::int32_t start_rank;        // independent rows at the beginning of the sub-step, which these are, in the order
   std::int32_t start_row[kRows];  // of their pivots
   double start_free[kRows];
-  double inverse[kEight];  // of the pivots, in that order
-  double own[kEight];      // diagonal entries of Λ
-  double free[kEight];     // these entries if nothing held the two bodies
-  double target[kEight];   // right-hand side, then what forward elimination leaves of it
-  double mu[kEight];       // multipliers
+  double inverse[kEight];                          // of the pivots, in that order
+  double own[kEight], lost[kEight], free[kEight];  // as RowEntry's
+  double target[kEight];                           // right-hand side, then what forward elimination leaves of it
+  double mu[kEight];                               // multipliers
   // of the split of redundant reactions
   double scale[kEight], gradient[kEight], change[kEight];
   double z[kEight], u[kEight];  // of the pivot that is eliminated
+
+  RowEntry get_entry(int lane) const { return {own[lane], lost[lane], free[lane]}; }
 };
 
 // Auxiliary states, State::auxiliary, in the stages of a sub-step.

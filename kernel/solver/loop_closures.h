@@ -1,93 +1,50 @@
-// The rows of a loop where its two ways have met, see loop_clusters.h: their pivots and multipliers, and what they give
-// to the loops that pass on. A block of Λ has the rows of one loop, and in kEight lanes each those of another. Compiled
-// once per instruction set, see kernel/simd/pack.h.
+// The rows of a loop where its two ways have met, see loop_clusters.h: their pivots and multipliers, and what they add
+// to the loops that pass on. A block of Λ has the rows of one loop, and as columns those of another. Compiled once per
+// instruction set, see kernel/simd/pack.h.
 #pragma once
 
 #include <algorithm>
 #include <utility>
 
-#include "kernel/solver/loop_columns.h"
+#include "kernel/plan/loop_storage.h"
+#include "kernel/solver/columns.h"
 #include "kernel/solver/loop_rows.h"
 
 namespace unlatch::UNLATCH_ISA {
 
-// Packs of lanes that hold the first `count` rows.
-template <class T, class Run>
-UNLATCH_INLINE void for_lanes(int count, const Run& run) {
-  for (int c = 0; c < count; c += T::kWidth) run(c);
-}
-// Six numbers per lane.
-template <class T>
-UNLATCH_INLINE SpatialT<T> load_lanes(const double* F, int c) {
-  const auto get = [&](int i) UNLATCH_INLINE_LAMBDA { return load<T>(F + i * kEight + c); };
-  return {{get(0), get(1), get(2)}, {get(3), get(4), get(5)}};
-}
-template <class T>
-UNLATCH_INLINE void store_lanes(double* F, int c, const SpatialT<T>& a) {
-  store(F + c, a.lin.x);
-  store(F + kEight + c, a.lin.y);
-  store(F + 2 * kEight + c, a.lin.z);
-  store(F + 3 * kEight + c, a.ang.x);
-  store(F + 4 * kEight + c, a.ang.y);
-  store(F + 5 * kEight + c, a.ang.z);
-}
-// Zeros; `numbers`: whole rows of lanes. A loop over packs, since g++ makes "rep stos" of a fill, which begins slowly.
-template <class T>
-UNLATCH_INLINE void clear_lanes(double* to, int numbers) {
-  const T o(0.0);
-  for (int i = 0; i < numbers; i += T::kWidth) store(to + i, o);
-}
-// Those of one lane.
-UNLATCH_INLINE Spatial get_lane_numbers(const double* F, int r) { return collect<Spatial>(F + r, kEight); }
-UNLATCH_INLINE double combine(const double* lanes, const double* weights, int count) {
-  double sum = 0;
-  for (int r = 0; r < count; ++r) sum += lanes[r] * weights[r];
-  return sum;
-}
-// to −= scale · lanes
-template <class T>
-UNLATCH_INLINE void subtract_lanes(double* to, int count, double scale, const double* lanes) {
-  for_lanes<T>(count,
-               [&](int c) UNLATCH_INLINE_LAMBDA { store(to + c, load<T>(to + c) - T(scale) * load<T>(lanes + c)); });
-}
-// block += scale x yᵀ
-template <class T>
-UNLATCH_INLINE void add_outer_block(double* block, int rows, int count, double scale, const double* x,
-                                    const double* y) {
-  for_lanes<T>(count, [&](int c) UNLATCH_INLINE_LAMBDA {
-    const T lanes = load<T>(y + c);
-    for (int r = 0; r < rows; ++r) {
-      double* row = block + r * kEight + c;
-      store(row, load<T>(row) + T(scale * x[r]) * lanes);
-    }
-  });
-}
-
 template <class T>
 class LoopClosures {
  public:
+  using Numbers = LoopColumns<T>;
+
   LoopClosures(const PlanData& plan, Evaluation& ev) : plan_(plan), ev_(ev) {}
 
-  double* get_numbers(std::int32_t slot) const {
-    return ev_.cluster_columns.data() + plan_.loop_slots[at(slot)].numbers;
+  const ClosureWork& get_work(std::int32_t closure) const { return ev_.closures[at(closure)]; }
+  // What a loop has at a node, SlotRows.
+  Numbers get_numbers(std::int32_t slot) const {
+    const LoopSlot& s = plan_.loop_slots[at(slot)];
+    return {ev_.cluster_columns.data() + s.numbers, kEight, get_work(s.closure).count};
   }
-  double* get_block(std::int32_t block) const {
-    return ev_.cluster_matrix.data() + static_cast<std::ptrdiff_t>(block) * kBlockNumbers;
+  // A block of Λ; `columns`: the loop of its columns.
+  Numbers get_block(std::int32_t block, std::int32_t columns) const {
+    return {find_loop_block(ev_.cluster_matrix, block), kEight, get_work(columns).count};
   }
+  Numbers get_block(const LoopLink& link) const { return get_block(link.block, link.closure); }
 
   // Nothing in Λ yet, and the wrenches at the loop's two bodies.
-  void begin(const LoopClosure& plan, ClosureWork& c) const {
-    clear_lanes<T>(c.own, kEight);
-    const auto clear = [&](std::int32_t block) { clear_lanes<T>(get_block(block), c.count * kEight); };
-    clear(plan.block);
-    for (int i = 0; i < plan.links; ++i) clear(plan_.loop_links[at(plan.first_link + i)].block);
+  void begin(int e) const {
+    const LoopClosure& plan = plan_.closures[at(e)];
+    ClosureWork& c = ev_.closures[at(e)];
+    for (double* sum : {c.own, c.lost}) Numbers(sum, kEight, c.count).clear(1);
+    get_block(plan.block, e).clear(c.count);
+    for (const LoopLink& link : get_links(plan)) get_block(link).clear(c.count);
     const JointFrame& f = ev_.non_tree_frames[at(plan.non_tree)];
     for (const bool follower : {true, false}) {
       const std::int32_t slot = follower ? plan.on_follower : plan.on_base;
       if (slot == kNone) continue;
-      double* F = get_numbers(slot);
-      clear_lanes<T>(F, 6 * kEight);
-      for (int k = 0; k < c.count; ++k) spread(F + k, kEight, calc_row_wrench(f, c.row[k], follower));
+      const Numbers F = get_numbers(slot);
+      F.clear(SlotRows::kWrenches);
+      for (int k = 0; k < c.count; ++k) F.set_column(k, calc_row_wrench(f, c.row[k], follower));
     }
   }
 
@@ -97,18 +54,17 @@ class LoopClosures {
     const LoopClosure& plan = plan_.closures[at(e)];
     ClosureWork& c = ev_.closures[at(e)];
     if (c.count == 0) return;
-    if constexpr (kFactor) factor(plan, c);
-    reduce_target(plan, c);
+    if constexpr (kFactor) factor(e);
+    reduce_target(e);
     if (plan.slot == kNone) return;
-    const double* F = get_numbers(plan.slot);
+    const Numbers F = get_numbers(plan.slot);
     const LaneOf<SubtreeLane> body = get_lane<SubtreeLane>(ev_.blocks.data(), plan_.cluster_nodes[at(plan.node)].place);
     Spatial load = body.read(&SubtreeLane::wrench);
-    for (int k = 0; k < c.rank; ++k)
-      load = load + (c.target[c.order[k]] * c.inverse[k]) * get_lane_numbers(F, c.order[k]);
+    for (int k = 0; k < c.rank; ++k) load = load + (c.target[c.order[k]] * c.inverse[k]) * F.get_column(c.order[k]);
     body.write(&SubtreeLane::wrench, load);
     if constexpr (kFactor) {
       Articulated A = body.read(&SubtreeLane::A);
-      for (int k = 0; k < c.rank; ++k) A = downdated(A, -c.inverse[k], get_lane_numbers(F, c.order[k]));
+      for (int k = 0; k < c.rank; ++k) A = downdated(A, -c.inverse[k], F.get_column(c.order[k]));
       body.write(&SubtreeLane::A, A);
     }
   }
@@ -117,31 +73,35 @@ class LoopClosures {
   void find_multipliers(int e, const Spatial* a) const {
     const LoopClosure& plan = plan_.closures[at(e)];
     ClosureWork& c = ev_.closures[at(e)];
-    const double* D = get_block(plan.block);
-    const LoopLink* links = plan_.loop_links.data() + plan.first_link;
+    const Numbers D = get_block(plan.block, e);
     for (double& mu : c.mu) mu = 0;
     for (int k = c.rank; k-- > 0;) {
       const int p = c.order[k];
       double left = c.target[p];
-      if (a != nullptr) left -= dot(get_lane_numbers(get_numbers(plan.slot), p), *a);
-      for (int i = 0; i < plan.links; ++i) {
-        const ClosureWork& other = ev_.closures[at(links[i].closure)];
-        left -= combine(get_block(links[i].block) + p * kEight, other.mu, other.count);
+      if (a != nullptr) left -= dot(get_numbers(plan.slot).get_column(p), *a);
+      for (const LoopLink& link : get_links(plan)) {
+        const ClosureWork& other = get_work(link.closure);
+        left -= combine(get_block(link).row(p), other.mu, other.count);
       }
-      for (int j = k + 1; j < c.rank; ++j) left -= D[p * kEight + c.order[j]] * c.mu[c.order[j]];
+      for (int j = k + 1; j < c.rank; ++j) left -= D.row(p)[c.order[j]] * c.mu[c.order[j]];
       c.mu[p] = left * c.inverse[k];
     }
   }
 
  private:
-  // The row whose pivot is largest beside its own entry, ties to the earlier, to the place `rank` of the order.
-  static bool find_pivot(ClosureWork& c, const double* D) {
-    double largest = kRedundant;
+  std::span<const LoopLink> get_links(const LoopClosure& plan) const {
+    return {plan_.loop_links.data() + plan.first_link, static_cast<std::size_t>(plan.links)};
+  }
+
+  // The independent row whose pivot is largest beside its own entry, ties to the earlier, to the place `rank` of the
+  // order.
+  static bool find_pivot(ClosureWork& c, const Numbers& D) {
+    double largest = 0;
     int best = kNone;
     for (int k = c.rank; k < c.count; ++k) {
       const int r = c.order[k];
-      const double pivot = D[r * kEight + r];
-      if (pivot > largest * c.own[r] && pivot > kHeldByTree * c.free[r]) {
+      const double pivot = D.row(r)[r];
+      if (pivot > largest * c.own[r] && is_independent(c.get_entry(r), pivot)) {
         largest = pivot / c.own[r];
         best = k;
       }
@@ -150,63 +110,71 @@ class LoopClosures {
     return best != kNone;
   }
 
-  void factor(const LoopClosure& plan, ClosureWork& c) const {
-    double* D = get_block(plan.block);
-    const LoopLink* links = plan_.loop_links.data() + plan.first_link;
-    double* F = plan.slot == kNone ? nullptr : get_numbers(plan.slot);
+  void factor(int e) const {
+    const LoopClosure& plan = plan_.closures[at(e)];
+    ClosureWork& c = ev_.closures[at(e)];
+    const Numbers D = get_block(plan.block, e);
     for (int r = 0; r < c.count; ++r) c.order[r] = r;
     const int most = std::min(c.count, c.most);
     for (c.rank = 0; c.rank < most && find_pivot(c, D); ++c.rank) {
       const int p = c.order[c.rank];
-      const double* row = D + p * kEight;
-      const double inverse = 1 / row[p];
+      const double inverse = 1 / D.row(p)[p];
       c.inverse[c.rank] = inverse;
-      for (int k = c.rank + 1; k < c.count; ++k) {
-        const int r = c.order[k];
-        const double part = row[r] * inverse;
-        subtract_lanes<T>(D + r * kEight, c.count, part, row);
-        for (int i = 0; i < plan.links; ++i) {
-          double* V = get_block(links[i].block);
-          subtract_lanes<T>(V + r * kEight, ev_.closures[at(links[i].closure)].count, part, V + p * kEight);
-        }
-        if (F == nullptr) continue;
-        for (int i = 0; i < 6; ++i) F[i * kEight + r] -= F[i * kEight + p] * part;
-      }
+      for (int k = c.rank + 1; k < c.count; ++k) eliminate(plan, c, D, p, c.order[k], D.row(c.order[k])[p] * inverse);
     }
-    update_links(plan, c, links, F);
+    update_links(plan, c);
   }
-  void update_links(const LoopClosure& plan, const ClosureWork& c, const LoopLink* links, const double* F) const {
+  // Row r −= part · row p
+  void eliminate(const LoopClosure& plan, ClosureWork& c, const Numbers& D, int p, int r, double part) const {
+    c.lost[r] += part * part * c.own[p];
+    subtract<T>(D.row(r), c.count, part, D.row(p));
+    for (const LoopLink& link : get_links(plan)) {
+      const Numbers V = get_block(link);
+      subtract<T>(V.row(r), V.get_count(), part, V.row(p));
+    }
+    if (plan.slot == kNone) return;
+    const Numbers F = get_numbers(plan.slot);
+    F.set_column(r, F.get_column(r) - part * F.get_column(p));
+  }
+  void update_links(const LoopClosure& plan, const ClosureWork& c) const {
+    const std::span<const LoopLink> links = get_links(plan);
     const std::int32_t* pair = plan_.loop_pairs.data() + plan.first_pair;
-    for (int i = 0; i < plan.links; ++i) {
-      const double* left = get_block(links[i].block);
-      const int rows = ev_.closures[at(links[i].closure)].count;
-      for (int j = i; j < plan.links; ++j, ++pair) {
-        if (rows == 0) continue;
-        double* block = get_block(*pair);
-        const double* right = get_block(links[j].block);
-        const int count = ev_.closures[at(links[j].closure)].count;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const Numbers left = get_block(links[i]);
+      ClosureWork& other = ev_.closures[at(links[i].closure)];
+      for (std::size_t j = i; j < links.size(); ++j, ++pair) {
+        if (other.count == 0) continue;
+        const Numbers block = get_block(*pair, links[j].closure), right = get_block(links[j]);
         for (int k = 0; k < c.rank; ++k)
-          add_outer_block<T>(block, rows, count, -c.inverse[k], left + c.order[k] * kEight,
-                             right + c.order[k] * kEight);
+          block.add_outer(other.count, -c.inverse[k], left.row(c.order[k]), right.row(c.order[k]));
       }
-      if (F == nullptr) continue;
-      double* to = get_numbers(links[i].slot);
+      for (int k = 0; k < c.rank; ++k) add_lost(c, k, left.row(c.order[k]), other);
+      if (plan.slot == kNone) continue;
+      const Numbers F = get_numbers(plan.slot), to = get_numbers(links[i].slot);
       for (int k = 0; k < c.rank; ++k)
-        for (int n = 0; n < 6; ++n)
-          subtract_lanes<T>(to + n * kEight, rows, F[n * kEight + c.order[k]] * c.inverse[k],
-                            left + c.order[k] * kEight);
+        for (int n = 0; n < SlotRows::kWrenches; ++n)
+          subtract<T>(to.row(n), other.count, F.row(n)[c.order[k]] * c.inverse[k], left.row(c.order[k]));
     }
   }
-  void reduce_target(const LoopClosure& plan, ClosureWork& c) const {
-    const double* D = get_block(plan.block);
-    const LoopLink* links = plan_.loop_links.data() + plan.first_link;
+  // By the k-th pivot, which the rows of another loop meet with `row`.
+  static void add_lost(const ClosureWork& c, int k, const double* row, ClosureWork& other) {
+    const T inverse(c.inverse[k]), own(c.own[c.order[k]]);
+    for_packs<T>(other.count, [&](int i) UNLATCH_INLINE_LAMBDA {
+      const T part = load<T>(row + i) * inverse;
+      store(other.lost + i, load<T>(other.lost + i) + (part * part) * own);
+    });
+  }
+  void reduce_target(int e) const {
+    const LoopClosure& plan = plan_.closures[at(e)];
+    ClosureWork& c = ev_.closures[at(e)];
+    const Numbers D = get_block(plan.block, e);
     for (int k = 0; k < c.rank; ++k) {
       const int p = c.order[k];
       const double reply = c.target[p] * c.inverse[k];
-      for (int j = k + 1; j < c.count; ++j) c.target[c.order[j]] -= D[p * kEight + c.order[j]] * reply;
-      for (int i = 0; i < plan.links; ++i) {
-        ClosureWork& other = ev_.closures[at(links[i].closure)];
-        subtract_lanes<T>(other.target, other.count, reply, get_block(links[i].block) + p * kEight);
+      for (int j = k + 1; j < c.count; ++j) c.target[c.order[j]] -= D.row(p)[c.order[j]] * reply;
+      for (const LoopLink& link : get_links(plan)) {
+        ClosureWork& other = ev_.closures[at(link.closure)];
+        subtract<T>(other.target, other.count, reply, get_block(link).row(p));
       }
     }
   }

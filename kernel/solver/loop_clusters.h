@@ -13,20 +13,21 @@
 // of Sathya and Carpentier, IEEE T-RO 2024.) Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
-#include <bit>
-
 #include "kernel/solver/loop_closures.h"
+#include "kernel/solver/solved_node.h"
 
 namespace unlatch::UNLATCH_ISA {
 
 template <class T>
 class LoopClusters {
  public:
+  using Numbers = LoopColumns<T>;
+
   LoopClusters(const PlanData& plan, Evaluation& ev) : plan_(plan), ev_(ev), closures_(plan, ev) {}
 
   // --- Before the backward pass
   void begin_factor() const {
-    for (std::size_t e = 0; e < plan_.closures.size(); ++e) closures_.begin(plan_.closures[e], ev_.closures[e]);
+    for (std::size_t e = 0; e < plan_.closures.size(); ++e) closures_.begin(static_cast<int>(e));
   }
 
   // --- Backward pass: before a group is eliminated, and after
@@ -44,15 +45,14 @@ class LoopClusters {
   }
   template <bool kFactor>
   void pass(std::size_t g, bool biased) const {
-    for_nodes(g, [&](const ClusterNode& node) {
-      if (node.closing == node.slots) return;
-      if (is_by_freedoms(node)) {
-        const Freedoms f(*this, node);
-        if constexpr (kFactor) pass_freedoms(node, f);
-        pass_loads_by_freedoms(node, f, biased);
+    for_passed_nodes(g, [&](const ClusterNode& node, const SolvedNode& solved) {
+      if (solved.is_by_freedoms()) {
+        const Freedoms f(solved);
+        if constexpr (kFactor) pass_freedoms(node, solved, f);
+        pass_loads_by_freedoms(node, solved, f, biased);
       } else {
-        if constexpr (kFactor) pass_rows(node);
-        pass_loads_by_rows(node);
+        if constexpr (kFactor) pass_rows(node, solved);
+        pass_loads_by_rows(node, solved);
       }
     });
   }
@@ -64,16 +64,12 @@ class LoopClusters {
   }
   // What the open loops add to the loads of a group, before its accelerations are computed.
   void add_reactions(std::size_t g) const {
-    for_nodes(g, [&](const ClusterNode& node) {
-      if (node.closing == node.slots) return;
-      if (is_by_freedoms(node)) {
-        const Freedoms f(*this, node);
-        for_passing(node, [&](const LoopSlot&, const ClosureWork& c, const double* numbers) {
-          for (int k = 0; k < f.count; ++k) *f.beta[k] += combine(numbers + f.place[k], c.mu, c.count);
-        });
-      } else {
-        add_to_rows(node);
-      }
+    for_passed_nodes(g, [&](const ClusterNode& node, const SolvedNode& solved) {
+      if (!solved.is_by_freedoms()) return add_to_rows(node, solved);
+      const Freedoms f(solved);
+      for_passing(node, [&](const LoopSlot&, const ClosureWork& c, const Numbers& numbers) {
+        for (int k = 0; k < f.count; ++k) *f.beta[k] += combine(numbers.row(f.place[k]), c.mu, c.count);
+      });
     });
   }
   // Multipliers of the loops that close at a group, and the reactions of the others in its joints.
@@ -95,230 +91,185 @@ class LoopClusters {
   }
 
  private:
-  LaneParts get_parts(const ClusterNode& node) const {
-    return {plan_.groups[at(node.group)], ev_.blocks.data(), node.place};
-  }
+  SolvedNode get_solved(const ClusterNode& node) const { return {plan_, ev_, node.group, node.place}; }
   // Children before parents.
   template <class Run>
   UNLATCH_INLINE void for_nodes(std::size_t g, const Run& run) const {
     for (std::int32_t i = plan_.group_clusters[g + 1]; i-- > plan_.group_clusters[g];) run(plan_.cluster_nodes[at(i)]);
   }
-  // Loops with rows that pass on, and their numbers at the node.
+  // Likewise, those that a loop passes on its way to where it closes.
+  template <class Run>
+  UNLATCH_INLINE void for_passed_nodes(std::size_t g, const Run& run) const {
+    for_nodes(g, [&](const ClusterNode& node) {
+      if (node.closing < node.slots) run(node, get_solved(node));
+    });
+  }
+  // Loops with rows that pass on, and what they have at the node.
   template <class Run>
   UNLATCH_INLINE void for_passing(const ClusterNode& node, const Run& run) const {
-    for (int i = node.closing; i < node.slots; ++i) {
-      const LoopSlot& slot = plan_.loop_slots[at(node.first_slot + i)];
+    for (std::int32_t i = node.first_slot + node.closing; i < node.first_slot + node.slots; ++i) {
+      const LoopSlot& slot = plan_.loop_slots[at(i)];
       ClosureWork& c = ev_.closures[at(slot.closure)];
-      if (c.count > 0) run(slot, c, ev_.cluster_columns.data() + slot.numbers);
+      if (c.count > 0) run(slot, c, closures_.get_numbers(i));
     }
   }
-  static bool is_set(double mask) { return __builtin_bit_cast(std::uint64_t, mask) != 0; }
-  template <class M>
-  M read_solver(const ClusterNode& node, M SolverBlock<double>::*member) const {
-    return read(ev_.blocks.data(), node.place, member);
-  }
-  bool is_by_freedoms(const ClusterNode& node) const {
-    const GroupModes& modes = ev_.modes[at(node.group)];
-    return modes.by_freedoms && (!plan_.groups[at(node.group)].may_be_by_rows ||
-                                 is_set(read_solver(node, &SolverBlock<double>::by_freedoms)));
-  }
-  static int count_below(unsigned all, int r) { return std::popcount(all & ((1u << static_cast<unsigned>(r)) - 1)); }
-  int count_freedoms(const ClusterNode& node) const {
-    return std::popcount(static_cast<unsigned>(plan_.groups[at(node.group)].freedoms));
-  }
 
-  // Freedoms of a node's joint that its mode has. place: of what a loop's rows meet there, behind their wrenches.
+  // Freedoms of a node's joint that its mode has. place: the row of SlotRows for what loops do along it.
   struct Freedoms {
     int count = 0, row[kRows], place[kRows];
     double inverse[kRows];
-    double *U[kRows], *beta[kRows];
-    std::ptrdiff_t stride;
+    double* beta[kRows];
+    SolvedNode::Freedom own[kRows];
 
-    Freedoms(const LoopClusters& clusters, const ClusterNode& node) : stride(node.place.width) {
+    explicit Freedoms(const SolvedNode& node) {
       using Freedom = FreedomBlock<double>;
-      const unsigned all = clusters.plan_.groups[at(node.group)].freedoms;
-      const LaneParts parts = clusters.get_parts(node);
-      for (unsigned left = clusters.ev_.modes[at(node.group)].freedoms; left != 0; left &= left - 1) {
-        const int r = std::countr_zero(left);
-        const LaneOf<Freedom> own = parts.freedom(r);
-        if (!is_set(own.read(&Freedom::mask))) continue;
+      const SlotRows rows(node.get_group());
+      node.for_freedoms([&](int r, const SolvedNode::Freedom& freedom) {
         row[count] = r;
-        place[count] = (6 + count_below(all, r)) * kEight;
-        inverse[count] = own.read(&Freedom::inverse_pivot);
-        U[count] = own.find(&Freedom::U);
-        beta[count++] = own.find(&Freedom::beta);
-      }
+        place[count] = rows.freedom(r);
+        inverse[count] = freedom.read(&Freedom::inverse_pivot);
+        beta[count] = freedom.find(&Freedom::beta);
+        own[count++] = freedom;
+      });
     }
-    Spatial read_U(int k) const { return collect<Spatial>(U[k], stride); }
   };
   // Rows of a node's joint that its mode holds, likewise.
   struct Rows {
-    int count = 0, place[kRows];
-    LaneOf<RowBlock<double>> row[kRows];
+    int count = 0, place[kRows], response;
+    SolvedNode::Row row[kRows];
 
-    Rows(const LoopClusters& clusters, const ClusterNode& node) {
-      const unsigned all = clusters.plan_.groups[at(node.group)].rows;
-      const LaneParts parts = clusters.get_parts(node);
-      for (unsigned left = clusters.ev_.modes[at(node.group)].rows; left != 0; left &= left - 1) {
-        const int r = std::countr_zero(left);
-        const LaneOf<RowBlock<double>> own = parts.row(r);
-        if (!is_set(own.read(&RowBlock<double>::mask))) continue;
-        place[count] = (6 + clusters.count_freedoms(node) + 6 + count_below(all, r)) * kEight;
+    explicit Rows(const SolvedNode& node) {
+      const SlotRows rows(node.get_group());
+      response = rows.response();
+      node.for_rows([&](int r, const SolvedNode::Row& own) {
+        place[count] = rows.row(r);
         row[count++] = own;
-      }
+      });
     }
   };
 
-  // Of one pivot, or a part of it: `x`, `y`: positions behind a slot's numbers.
-  void give(const ClusterNode& node, double scale, int x, int y) const {
+  // Λ += scale · x yᵀ of one pivot, or a part of it; `x`, `y`: rows of SlotRows.
+  void add_to_matrix(const ClusterNode& node, double scale, int x, int y) const {
     const std::int32_t* pair = plan_.loop_pairs.data() + node.first_pair;
-    for (int i = node.closing; i < node.slots; ++i) {
-      const LoopSlot& a = plan_.loop_slots[at(node.first_slot + i)];
-      ClosureWork& own = ev_.closures[at(a.closure)];
-      const double* left = ev_.cluster_columns.data() + a.numbers + x;
-      const double* right = ev_.cluster_columns.data() + a.numbers + y;
-      for (int j = i; j < node.slots; ++j, ++pair) {
-        const LoopSlot& b = plan_.loop_slots[at(node.first_slot + j)];
-        add_outer_block<T>(closures_.get_block(*pair), own.count, ev_.closures[at(b.closure)].count, scale, left,
-                           ev_.cluster_columns.data() + b.numbers + y);
-      }
-      for_lanes<T>(own.count, [&](int c) UNLATCH_INLINE_LAMBDA {
-        store(own.own + c, load<T>(own.own + c) + (T(scale) * load<T>(left + c)) * load<T>(right + c));
+    for (std::int32_t i = node.first_slot + node.closing; i < node.first_slot + node.slots; ++i) {
+      ClosureWork& own = ev_.closures[at(plan_.loop_slots[at(i)].closure)];
+      const Numbers left = closures_.get_numbers(i);
+      for (std::int32_t j = i; j < node.first_slot + node.slots; ++j, ++pair)
+        closures_.get_block(*pair, plan_.loop_slots[at(j)].closure)
+            .add_outer(own.count, scale, left.row(x), closures_.get_numbers(j).row(y));
+      left.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
+        store(own.own + c, load<T>(own.own + c) + (T(scale) * left.get(x, c)) * left.get(y, c));
       });
     }
   }
-  // Moved to the parent's origin, `offset` away, and added to what is there.
-  UNLATCH_INLINE void hand_on(const LoopSlot& slot, const Vec3T<T>& offset, int c, SpatialT<T> F) const {
+  // Moves the wrenches of a pack of rows to the parent's origin, `offset` away, and adds them to what is there.
+  UNLATCH_INLINE void add_to_parent(const LoopSlot& slot, const Vec3T<T>& offset, int c, SpatialT<T> F) const {
     if (slot.parent == kNone) return;
     F.ang += cross(offset, F.lin);
-    double* to = closures_.get_numbers(slot.parent);
-    store_lanes(to, c, slot.begins != 0 ? F : load_lanes<T>(to, c) + F);
+    const Numbers to = closures_.get_numbers(slot.parent);
+    to.set_spatial(c, slot.begins != 0 ? F : to.get_spatial(c) + F);
   }
 
-  Spatial read_freedom(const ClusterNode& node, int r) const {
-    if (r < kRotX) return {column(read_solver(node, &SolverBlock<double>::axes), r), {0, 0, 0}};
-    const Vec3 axis = column(get_parts(node).rotation_axes().read(), r - kRotX);
-    return {cross(read_solver(node, &SolverBlock<double>::arm_child), axis), axis};
-  }
-
-  void pass_freedoms(const ClusterNode& node, const Freedoms& f) const {
+  void pass_freedoms(const ClusterNode& node, const SolvedNode& solved, const Freedoms& f) const {
     SpatialT<T> s[kRows], U[kRows];
     for (int k = 0; k < f.count; ++k) {
-      s[k] = spread<T>(read_freedom(node, f.row[k]));
-      U[k] = spread<T>(f.read_U(k));
+      s[k] = spread<T>(solved.read_freedom(f.row[k]));
+      U[k] = spread<T>(f.own[k].read(&FreedomBlock<double>::U));
     }
-    const Vec3T<T> offset = spread<T>(read_solver(node, &SolverBlock<double>::offset));
-    for_passing(node, [&](const LoopSlot& slot, const ClosureWork& work, double* numbers) {
-      for_lanes<T>(work.count, [&](int c) UNLATCH_INLINE_LAMBDA {
-        SpatialT<T> F = load_lanes<T>(numbers, c);
+    const Vec3T<T> offset = spread<T>(solved.read(&SolverBlock<double>::offset));
+    for_passing(node, [&](const LoopSlot& slot, const ClosureWork&, const Numbers& numbers) {
+      numbers.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
+        SpatialT<T> F = numbers.get_spatial(c);
         for (int k = 0; k < f.count; ++k) {
           const T beta = dot(s[k], F);
-          store(numbers + f.place[k] + c, beta);
+          numbers.set(f.place[k], c, beta);
           F = F - (beta * T(f.inverse[k])) * U[k];
         }
-        hand_on(slot, offset, c, F);
+        add_to_parent(slot, offset, c, F);
       });
     });
-    for (int k = 0; k < f.count; ++k) give(node, f.inverse[k], f.place[k], f.place[k]);
+    for (int k = 0; k < f.count; ++k) add_to_matrix(node, f.inverse[k], f.place[k], f.place[k]);
   }
 
-  void pass_rows(const ClusterNode& node) const {
+  void pass_rows(const ClusterNode& node, const SolvedNode& solved) const {
     using Row = RowBlock<double>;
-    const FreeFactor free = get_parts(node).free().read(&FreeBlock<double>::factor);
-    const auto spread3 = [](const Factor3T<double>& f) {
-      return Factor3T<T>{T(f.l10), T(f.n20), T(f.l21), T(f.i0), T(f.i1), T(f.i2)};
-    };
-    const FreeFactorT<T> factor{
-        spread3(free.M), {spread<T>(free.W.x), spread<T>(free.W.y), spread<T>(free.W.z)}, spread3(free.K)};
-    const int reply = (6 + count_freedoms(node)) * kEight;
-    const Vec3T<T> offset = spread<T>(read_solver(node, &SolverBlock<double>::offset));
-    const Rows rows(*this, node);
+    const FreeFactorT<T> factor = solved.read_free_factor<T>();
+    const Vec3T<T> offset = spread<T>(solved.read(&SolverBlock<double>::offset));
+    const Rows rows(solved);
     SpatialT<T> w[kRows];
     double inverse[kRows];
     for (int k = 0; k < rows.count; ++k) {
       w[k] = spread<T>(rows.row[k].read(&Row::wrench));
       inverse[k] = rows.row[k].read(&Row::inverse_pivot);
     }
-    for_passing(node, [&](const LoopSlot& slot, const ClosureWork& work, double* numbers) {
-      for_lanes<T>(work.count, [&](int c) {
-        const SpatialT<T> response = solve_free(factor, load_lanes<T>(numbers, c));
-        store_lanes(numbers + reply, c, response);
+    for_passing(node, [&](const LoopSlot& slot, const ClosureWork&, const Numbers& numbers) {
+      numbers.for_packs([&](int c) {
+        const SpatialT<T> response = solve_free(factor, numbers.get_spatial(c));
+        numbers.from(rows.response).set_spatial(c, response);
         const T o(0.0);
         SpatialT<T> F{{o, o, o}, {o, o, o}};
         for (int k = 0; k < rows.count; ++k) {
           const T part = dot(w[k], response);
-          store(numbers + rows.place[k] + c, part);
+          numbers.set(rows.place[k], c, part);
           F = F + (part * T(inverse[k])) * w[k];
         }
-        hand_on(slot, offset, c, F);
+        add_to_parent(slot, offset, c, F);
       });
     });
-    for (int i = 0; i < 6; ++i) give(node, 1, i * kEight, reply + i * kEight);
-    for (int k = 0; k < rows.count; ++k) give(node, -inverse[k], rows.place[k], rows.place[k]);
+    for (int i = 0; i < SlotRows::kWrenches; ++i) add_to_matrix(node, 1, SlotRows::kWrench + i, rows.response + i);
+    for (int k = 0; k < rows.count; ++k) add_to_matrix(node, -inverse[k], rows.place[k], rows.place[k]);
   }
 
-  void pass_loads_by_freedoms(const ClusterNode& node, const Freedoms& f, bool biased) const {
+  void pass_loads_by_freedoms(const ClusterNode& node, const SolvedNode& solved, const Freedoms& f, bool biased) const {
     double reply[kRows];
     for (int k = 0; k < f.count; ++k) reply[k] = *f.beta[k] * f.inverse[k];
-    const bool moves = biased && plan_.groups[at(node.group)].has_joint;
-    const Spatial bias = moves ? read_solver(node, &SolverBlock<double>::bias) : Spatial{{0, 0, 0}, {0, 0, 0}};
-    for_passing(node, [&](const LoopSlot&, ClosureWork& work, const double* numbers) {
-      for_lanes<T>(work.count, [&](int c) UNLATCH_INLINE_LAMBDA {
+    const bool moves = biased && solved.get_group().has_joint;
+    const Spatial bias = moves ? solved.read(&SolverBlock<double>::bias) : Spatial{{0, 0, 0}, {0, 0, 0}};
+    for_passing(node, [&](const LoopSlot&, ClosureWork& work, const Numbers& numbers) {
+      numbers.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
         T target = load<T>(work.target + c);
-        for (int k = 0; k < f.count; ++k) target = target - load<T>(numbers + f.place[k] + c) * T(reply[k]);
-        if (moves) target = target - dot(load_lanes<T>(numbers, c), spread<T>(bias));
+        for (int k = 0; k < f.count; ++k) target = target - numbers.get(f.place[k], c) * T(reply[k]);
+        if (moves) target = target - dot(numbers.get_spatial(c), spread<T>(bias));
         store(work.target + c, target);
       });
     });
   }
-  void pass_loads_by_rows(const ClusterNode& node) const {
-    const Spatial response = get_parts(node).free().read(&FreeBlock<double>::response);
-    const Rows rows(*this, node);
-    for_passing(node, [&](const LoopSlot&, ClosureWork& work, const double* numbers) {
-      for_lanes<T>(work.count, [&](int c) {
-        T target = load<T>(work.target + c) - dot(load_lanes<T>(numbers, c), spread<T>(response));
+  void pass_loads_by_rows(const ClusterNode& node, const SolvedNode& solved) const {
+    const Spatial response = solved.get_parts().free().read(&FreeBlock<double>::response);
+    const Rows rows(solved);
+    for_passing(node, [&](const LoopSlot&, ClosureWork& work, const Numbers& numbers) {
+      numbers.for_packs([&](int c) {
+        T target = load<T>(work.target + c) - dot(numbers.get_spatial(c), spread<T>(response));
         for (int k = 0; k < rows.count; ++k)
-          target = target + load<T>(numbers + rows.place[k] + c) * T(rows.row[k].read(&RowBlock<double>::mu));
+          target = target + numbers.get(rows.place[k], c) * T(rows.row[k].read(&RowBlock<double>::mu));
         store(work.target + c, target);
       });
     });
   }
 
-  // Σ of a loop's six numbers times its multipliers.
-  static Spatial combine_spatial(const double* F, const ClosureWork& c) {
-    double sums[6];
-    for (int i = 0; i < 6; ++i) sums[i] = combine(F + i * kEight, c.mu, c.count);
-    return collect<Spatial>(sums, 1);
-  }
-  void add_to_rows(const ClusterNode& node) const {
-    const Rows rows(*this, node);
-    const int reply = (6 + count_freedoms(node)) * kEight;
-    for_passing(node, [&](const LoopSlot&, const ClosureWork& c, const double* numbers) {
-      get_parts(node).free().add(&FreeBlock<double>::response, combine_spatial(numbers + reply, c));
+  void add_to_rows(const ClusterNode& node, const SolvedNode& solved) const {
+    const Rows rows(solved);
+    for_passing(node, [&](const LoopSlot&, const ClosureWork& c, const Numbers& numbers) {
+      solved.get_parts().free().add(&FreeBlock<double>::response, numbers.from(rows.response).combine_columns(c.mu));
       for (int k = 0; k < rows.count; ++k)
         *rows.row[k].find(&RowBlock<double>::mu) +=
-            rows.row[k].read(&RowBlock<double>::inverse_pivot) * combine(numbers + rows.place[k], c.mu, c.count);
+            rows.row[k].read(&RowBlock<double>::inverse_pivot) * combine(numbers.row(rows.place[k]), c.mu, c.count);
     });
   }
 
   // The part of the open loops in the wrench that the joint puts on the child.
   void add_to_joint(const ClusterNode& node) const {
     Spatial sum{{0, 0, 0}, {0, 0, 0}};
-    for_passing(node,
-                [&](const LoopSlot&, const ClosureWork& c, const double* F) { sum = sum + combine_spatial(F, c); });
+    for_passing(node, [&](const LoopSlot&, const ClosureWork& c, const Numbers& numbers) {
+      sum = sum + numbers.combine_columns(c.mu);
+    });
     const std::int32_t joint = plan_.nodes[at(node.node)].joint;
     const double side = plan_.joints[at(joint)].child == plan_.joints[at(joint)].follower ? 1 : -1;
-    const LaneParts parts = get_parts(node);
-    const Mat3 n = read_solver(node, &SolverBlock<double>::axes), m = parts.rotation_axes().read();
-    const Vec3 moment = sum.ang - cross(read_solver(node, &SolverBlock<double>::arm_child), sum.lin);
-    const bool by_freedoms = is_by_freedoms(node);
-    const Group& group = plan_.groups[at(node.group)];
+    const SolvedNode solved = get_solved(node);
+    const Mat3 n = solved.read(&SolverBlock<double>::axes), m = solved.get_parts().rotation_axes().read();
+    const Vec3 moment = sum.ang - cross(solved.read(&SolverBlock<double>::arm_child), sum.lin);
     for (int r = 0; r < kRows; ++r) {
-      const bool holds = by_freedoms ? !(has_row(group.freedoms, r) && has_row(ev_.modes[at(node.group)].freedoms, r) &&
-                                         is_set(parts.freedom(r).read(&FreedomBlock<double>::mask)))
-                                     : has_row(group.rows, r) && has_row(ev_.modes[at(node.group)].rows, r) &&
-                                           is_set(parts.row(r).read(&RowBlock<double>::mask));
-      if (!holds) continue;
+      if (!solved.holds(r)) continue;
       const double size = r < kRotX ? dot(column(n, r), sum.lin) : dot(column(m, r - kRotX), moment);
       ev_.multipliers.get(at(joint), at(r)) -= side * size;
     }

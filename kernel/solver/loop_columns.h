@@ -5,51 +5,13 @@
 // once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
-#include <bit>
-
 #include "kernel/dynamics/flexible.h"
+#include "kernel/solver/columns.h"
 #include "kernel/solver/flexible_solver.h"
 #include "kernel/solver/loop_rows.h"
-#include "kernel/solver/node.h"
+#include "kernel/solver/solved_node.h"
 
 namespace unlatch::UNLATCH_ISA {
-
-// Numbers of all columns: one row of them each, `stride` apart.
-template <class T>
-struct Columns {
-  double* rows;
-  std::int32_t stride, count;  // count: columns in use
-
-  UNLATCH_INLINE double* row(int r) const { return rows + r * stride; }
-  UNLATCH_INLINE T get(int r, int c) const { return load<T>(row(r) + c); }
-  UNLATCH_INLINE void set(int r, int c, const T& a) const { store(row(r) + c, a); }
-  UNLATCH_INLINE SpatialT<T> get_spatial(int c) const {
-    return {{get(0, c), get(1, c), get(2, c)}, {get(3, c), get(4, c), get(5, c)}};
-  }
-  UNLATCH_INLINE void set_spatial(int c, const SpatialT<T>& a) const {
-    set(0, c, a.lin.x);
-    set(1, c, a.lin.y);
-    set(2, c, a.lin.z);
-    set(3, c, a.ang.x);
-    set(4, c, a.ang.y);
-    set(5, c, a.ang.z);
-  }
-  UNLATCH_INLINE Columns from(int r) const { return {row(r), stride, count}; }
-  // Calls run(c) for every pack of columns.
-  template <class Run>
-  UNLATCH_INLINE void for_packs(const Run& run) const {
-    for (int c = 0; c < count; c += T::kWidth) run(c);
-  }
-};
-
-template <class T>
-UNLATCH_INLINE Vec3T<T> spread(const Vec3& a) {
-  return {T(a.x), T(a.y), T(a.z)};
-}
-template <class T>
-UNLATCH_INLINE SpatialT<T> spread(const Spatial& a) {
-  return {spread<T>(a.lin), spread<T>(a.ang)};
-}
 
 // Lower triangle of a matrix, row by row, += scale x yᵀ. Numbers right of the diagonal are lost.
 template <class T>
@@ -83,7 +45,7 @@ class LoopPass {
       add_wrenches(node, loads);
       const Group& group = plan_.groups[at(node.group)];
       if (group.kind == BodyKind::kRigid)
-        pass_body(node, group, loads);
+        pass_body(node, loads);
       else if (group.kind == BodyKind::kFlexible)
         pass_flexible(node, loads);
       else
@@ -99,7 +61,7 @@ class LoopPass {
     for (int r = 0; r < count; ++r) rows.for_packs([&](int c) { rows.set(r, c, T(0.0)); });
   }
   // x yᵀ / d of one pivot, or a part of that.
-  void give(double scale, const double* x, const double* y) const {
+  void add_to_matrix(double scale, const double* x, const double* y) const {
     add_outer<T>(ev_.loop_matrix.data(), stride_, 0, ev_.loop_count, scale, x, y);
   }
 
@@ -111,74 +73,46 @@ class LoopPass {
       for (int r = range[0]; r < range[1]; ++r) {
         const LoopRow& row = ev_.loop_rows[at(r)];
         const Spatial& w = end.follower ? row.on_follower : row.on_base;
-        const double numbers[6] = {w.lin.x, w.lin.y, w.lin.z, w.ang.x, w.ang.y, w.ang.z};
-        for (int i = 0; i < 6; ++i) loads.row(i)[r] += numbers[i];
+        loads.set_column(r, loads.get_column(r) + w);
       }
     }
   }
 
-  static bool is_set(double mask) { return __builtin_bit_cast(std::uint64_t, mask) != 0; }
-  template <class M>
-  M read_solver(const LoopNode& node, M SolverBlock<double>::*member) const {
-    return read(ev_.blocks.data(), node.place, member);
-  }
-  LaneParts get_parts(const LoopNode& node) const {
-    return {plan_.groups[at(node.group)], ev_.blocks.data(), node.place};
-  }
-
-  void pass_body(const LoopNode& node, const Group& group, const Columns<T>& loads) const {
-    const GroupModes& modes = ev_.modes[at(node.group)];
-    if (modes.by_freedoms && (!group.may_be_by_rows || is_set(read_solver(node, &SolverBlock<double>::by_freedoms))))
-      eliminate_freedoms(node, modes.freedoms, loads);
+  void pass_body(const LoopNode& node, const Columns<T>& loads) const {
+    const SolvedNode solved(plan_, ev_, node.group, node.place);
+    if (solved.is_by_freedoms())
+      eliminate_freedoms(solved, loads);
     else
-      eliminate_rows(node, modes.rows, loads);
+      eliminate_rows(solved, loads);
     if (node.parent_loads == kNone) return;
-    move(read_solver(node, &SolverBlock<double>::offset), loads);
-    hand_on(node, loads);
+    move(solved.read(&SolverBlock<double>::offset), loads);
+    add_to_parent(node, loads);
   }
 
-  // Direction of freedom r at the child's origin.
-  Spatial read_freedom(const LoopNode& node, int r) const {
-    if (r < kRotX) return {column(read_solver(node, &SolverBlock<double>::axes), r), {0, 0, 0}};
-    const Vec3 axis = column(get_parts(node).rotation_axes().read(), r - kRotX);
-    return {cross(read_solver(node, &SolverBlock<double>::arm_child), axis), axis};
-  }
-
-  void eliminate_freedoms(const LoopNode& node, RowSet freedoms, const Columns<T>& loads) const {
+  void eliminate_freedoms(const SolvedNode& node, const Columns<T>& loads) const {
     using Freedom = FreedomBlock<double>;
-    for (unsigned left = freedoms; left != 0; left &= left - 1) {
-      const int r = std::countr_zero(left);
-      const LaneOf<Freedom> own = get_parts(node).freedom(r);
-      if (!is_set(own.read(&Freedom::mask))) continue;
+    node.for_freedoms([&](int r, const SolvedNode::Freedom& own) {
       const double inverse = own.read(&Freedom::inverse_pivot);
-      const SpatialT<T> s = spread<T>(read_freedom(node, r)), U = spread<T>(own.read(&Freedom::U));
+      const SpatialT<T> s = spread<T>(node.read_freedom(r)), U = spread<T>(own.read(&Freedom::U));
       loads.for_packs([&](int c) {
         const SpatialT<T> load = loads.get_spatial(c);
         const T beta = dot(s, load);
         replies_.set(0, c, beta);
         loads.set_spatial(c, load - (beta * T(inverse)) * U);
       });
-      give(inverse, replies_.row(0), replies_.row(0));
-    }
+      add_to_matrix(inverse, replies_.row(0), replies_.row(0));
+    });
   }
 
   // A body that one or two rows hold, or none: all its freedoms go at once, then each row takes its part back.
-  void eliminate_rows(const LoopNode& node, RowSet rows, const Columns<T>& loads) const {
+  void eliminate_rows(const SolvedNode& node, const Columns<T>& loads) const {
     using Row = RowBlock<double>;
-    const FreeFactor free = get_parts(node).free().read(&FreeBlock<double>::factor);
-    const auto spread3 = [](const Factor3T<double>& f) {
-      return Factor3T<T>{T(f.l10), T(f.n20), T(f.l21), T(f.i0), T(f.i1), T(f.i2)};
-    };
-    const FreeFactorT<T> f{
-        spread3(free.M), {spread<T>(free.W.x), spread<T>(free.W.y), spread<T>(free.W.z)}, spread3(free.K)};
+    const FreeFactorT<T> f = node.read_free_factor<T>();
     loads.for_packs([&](int c) { replies_.set_spatial(c, solve_free(f, loads.get_spatial(c))); });
-    for (int i = 0; i < 6; ++i) give(1, loads.row(i), replies_.row(i));
+    for (int i = 0; i < 6; ++i) add_to_matrix(1, loads.row(i), replies_.row(i));
     clear(loads, 6);
     const Columns<T> reaction = replies_.from(6);
-    for (int r = 0; r < kRows; ++r) {
-      if (!has_row(rows, r)) continue;
-      const LaneOf<Row> own = get_parts(node).row(r);
-      if (!is_set(own.read(&Row::mask))) continue;
+    node.for_rows([&](int, const SolvedNode::Row& own) {
       const double inverse = own.read(&Row::inverse_pivot);
       const SpatialT<T> w = spread<T>(own.read(&Row::wrench));
       loads.for_packs([&](int c) {
@@ -186,8 +120,8 @@ class LoopPass {
         reaction.set(0, c, along);
         loads.set_spatial(c, loads.get_spatial(c) + (along * T(inverse)) * w);
       });
-      give(-inverse, reaction.row(0), reaction.row(0));
-    }
+      add_to_matrix(-inverse, reaction.row(0), reaction.row(0));
+    });
   }
 
   // A marker outboard of its body: its wrench on the body's frame and on the modal coordinates.
@@ -200,7 +134,7 @@ class LoopPass {
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) + dot(column, loads.get_spatial(c))); });
     }
     move(*marker.arm, loads);
-    hand_on(node, loads);
+    add_to_parent(node, loads);
   }
 
   // In the terms of flexible_solver.cc: f' = f − Dᵀ b, b' = Yᵀ b, b'' = b' − Wᵀ f', with E' = L D Lᵀ.
@@ -220,19 +154,19 @@ class LoopPass {
     }
     eliminate(work.E, body.modes, modal);
     if (held)
-      hand_on(node, loads);
+      add_to_parent(node, loads);
     else
       eliminate(work.root->get_lower(), 6, loads);
   }
 
-  // By the factor of a dense block: forward through its unit triangle, and each row gives.
+  // By the factor of a dense block: forward through its unit triangle, and each row adds to Λ.
   void eliminate(const LowerTriangle& factor, int size, const Columns<T>& loads) const {
     for (int r = 0; r < size; ++r) {
       for (int k = 0; k < r; ++k) {
         const T l(factor(r, k));
         loads.for_packs([&](int c) { loads.set(r, c, loads.get(r, c) - l * loads.get(k, c)); });
       }
-      give(1 / factor(r, r), loads.row(r), loads.row(r));
+      add_to_matrix(1 / factor(r, r), loads.row(r), loads.row(r));
     }
   }
 
@@ -247,7 +181,7 @@ class LoopPass {
   }
 
   // To the parent, unless they are there: the first that comes shares the parent's place.
-  void hand_on(const LoopNode& node, const Columns<T>& loads) const {
+  void add_to_parent(const LoopNode& node, const Columns<T>& loads) const {
     if (node.parent_loads == node.loads) return;
     const Columns<T> to = get_columns(node.parent_loads);
     loads.for_packs([&](int c) { to.set_spatial(c, to.get_spatial(c) + loads.get_spatial(c)); });
@@ -285,7 +219,11 @@ void factor_loop_matrix(const PlanData& plan, Evaluation& ev, int most) {
     const double d = matrix(rank, rank);
     for (int r = 0; r < matrix.stride; ++r) column[r] = r > rank && r < ev.loop_count ? matrix(r, rank) : 0;
     add_outer<Pack<kWidest>>(matrix.entries, matrix.stride, rank + 1, ev.loop_count, -1 / d, column, column);
-    for (int r = rank + 1; r < ev.loop_count; ++r) matrix(r, rank) = column[r] / d;
+    for (int r = rank + 1; r < ev.loop_count; ++r) {
+      const double part = column[r] / d;
+      matrix(r, rank) = part;
+      find_pivot_row(ev, r).entry.lost += part * part * get_pivot_row(ev, rank).entry.own;
+    }
   }
   ev.loop_redundant = ev.loop_count - rank;
 }

@@ -1,6 +1,7 @@
 #include "kernel/solver/loop_rows.h"
 
 #include "kernel/joints/kinematics.h"
+#include "kernel/plan/loop_storage.h"
 
 namespace unlatch {
 namespace {
@@ -17,8 +18,7 @@ LoopRow build_row(const PlanData& plan, const JointFrame& f, int loop, int row) 
           kNone,
           calc_row_wrench(f, row, false),
           calc_row_wrench(f, row, true),
-          0,
-          0};
+          {}};
 }
 
 // The row's relative acceleration, in the latest solution.
@@ -132,6 +132,15 @@ void count_redundant_rows(Evaluation& ev) noexcept {
   for (const ClosureWork& c : ev.closures) ev.loop_redundant += c.count - c.rank;
 }
 
+std::int32_t count_nearly_redundant_rows(const PlanData& plan, const Evaluation& ev, std::size_t closure) noexcept {
+  const ClosureWork& c = ev.closures[closure];
+  const double* block = find_loop_block(ev.cluster_matrix, plan.closures[closure].block);
+  std::int32_t count = 0;
+  for (int k = c.rank; k < c.count; ++k)
+    count += is_nearly_redundant(c.get_entry(c.order[k]), get_diagonal(block, c.order[k])) ? 1 : 0;
+  return count;
+}
+
 void begin_cluster_targets(const PlanData& plan, Evaluation& ev, bool biased) noexcept {
   for (std::size_t e = 0; e < plan.closures.size(); ++e) {
     ClosureWork& c = ev.closures[e];
@@ -144,19 +153,18 @@ void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept {
   for (int r = 0; r < ev.loop_count; ++r) {
     LoopRow& row = ev.loop_rows[at(r)];
     row.pivot = r;
-    row.own = get_loop_matrix(plan, ev)(r, r);
-    row.free = calc_free_mobility(plan, ev, row);
+    row.entry = {get_loop_matrix(plan, ev)(r, r), 0, calc_free_mobility(plan, ev, row)};
   }
 }
 
 int find_pivot(const PlanData& plan, const Evaluation& ev, int first) noexcept {
   int best = kNone;
-  double largest = kRedundant;
+  double largest = 0;
   for (int r = first; r < ev.loop_count; ++r) {
-    const LoopRow& row = get_pivot_row(ev, r);
+    const RowEntry& entry = get_pivot_row(ev, r).entry;
     const double pivot = get_loop_matrix(plan, ev)(r, r);
-    if (pivot > largest * row.own && pivot > kHeldByTree * row.free) {
-      largest = pivot / row.own;
+    if (pivot > largest * entry.own && is_independent(entry, pivot)) {
+      largest = pivot / entry.own;
       best = r;
     }
   }

@@ -20,10 +20,27 @@ namespace unlatch {
 // No limit on the number of rows that may count as independent.
 inline constexpr std::int32_t kAllRows = std::numeric_limits<std::int32_t>::max();
 
-// A pivot this small beside the row's own diagonal entry: the row follows from those before it.
-inline constexpr double kRedundant = 1e-10;
-// An entry this small beside the one that free bodies would give is rounding: the tree alone holds the row.
+// --- Which rows are independent
+// A pivot is what the other rows leave of a row's diagonal entry of Λ.
+// This small beside the entry: the row follows from those before it, as exactly as geometry is usually given: axes that
+// should be parallel and are given with six digits, 5e-7 rad off, leave so much.
+inline constexpr double kRedundant = 3e-12;
+// This small beside the entries that it is the difference of: rounding, of which redundant rows leave 4 units at most
+// (rings of 250 units), and independent ones 20,000 at least (masts of 10,000).
+inline constexpr double kRounding = 300 * std::numeric_limits<double>::epsilon();
+// This small beside the entry that free bodies would give: the tree alone holds the row.
 inline constexpr double kHeldByTree = 1e-13;
+
+inline bool is_beyond_rounding(const RowEntry& row, double pivot) {
+  return pivot > kRounding * (row.own + row.lost) && pivot > kHeldByTree * row.free;
+}
+inline bool is_independent(const RowEntry& row, double pivot) {
+  return pivot > kRedundant * row.own && is_beyond_rounding(row, pivot);
+}
+// Taken for redundant, but not by rounding: rows that are not quite parallel, or inertias beyond those of kRedundant.
+inline bool is_nearly_redundant(const RowEntry& row, double pivot) {
+  return !(pivot > kRedundant * row.own) && is_beyond_rounding(row, pivot);
+}
 
 inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev) {
   return {ev.loop_matrix.data(), plan.loop_columns};
@@ -31,6 +48,7 @@ inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev)
 
 // The row that is eliminated as number r.
 inline const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
+inline LoopRow& find_pivot_row(Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
 
 // The unit wrench of a row on one of its bodies, at that body's origin.
 inline Spatial calc_row_wrench(const JointFrame& f, int row, bool on_follower) noexcept {
@@ -60,6 +78,8 @@ void begin_clusters(const PlanData& plan, const State& state, LoopRows rows, Eva
 // Keeps what the sub-step that begins at this evaluation needs of it.
 void keep_cluster_rows(Evaluation& ev) noexcept;
 void count_redundant_rows(Evaluation& ev) noexcept;
+// Of one loop's redundant rows, those that are so only nearly.
+std::int32_t count_nearly_redundant_rows(const PlanData& plan, const Evaluation& ev, std::size_t closure) noexcept;
 // Right-hand sides of the rows, 0 if not biased.
 void begin_cluster_targets(const PlanData& plan, Evaluation& ev, bool biased) noexcept;
 

@@ -19,6 +19,8 @@ namespace unlatch::UNLATCH_ISA {
 template <class T>
 class ClusterSplit {
  public:
+  using Numbers = LoopColumns<T>;
+
   ClusterSplit(const PlanData& plan, const State& state, Evaluation& ev) : plan_(plan), state_(state), ev_(ev) {}
 
   void run() const {
@@ -41,17 +43,22 @@ class ClusterSplit {
   }
 
  private:
-  double* get_block(std::int32_t block) const {
-    return ev_.split_matrix.data() + static_cast<std::ptrdiff_t>(block) * kBlockNumbers;
+  // Of the quadratic form, and of the factor of Λ; `columns`: the loop of their columns.
+  Numbers get_block(std::int32_t block, const ClosureWork& columns) const {
+    return {find_loop_block(ev_.split_matrix, block), kEight, columns.count};
   }
-  const double* get_factor(std::int32_t block) const {
-    return ev_.cluster_matrix.data() + static_cast<std::ptrdiff_t>(block) * kBlockNumbers;
+  Numbers get_factor(std::int32_t block, const ClosureWork& columns) const {
+    return {find_loop_block(ev_.cluster_matrix, block), kEight, columns.count};
   }
-  double* get_columns(int slot) const {
-    return ev_.split_columns.data() + static_cast<std::ptrdiff_t>(slot) * kBlockNumbers;
+  // What a loop has at a node: its wrench; once that is passed on, its part of each row that the joint holds.
+  Numbers get_columns(int slot) const {
+    return {find_loop_block(ev_.split_columns, slot), kEight, get_slot_work(slot).count};
   }
   ClosureWork& get_work(const LoopLink& link) const { return ev_.closures[at(link.closure)]; }
-  ClosureWork& get_work(int slot) const { return ev_.closures[at(plan_.loop_slots[at(slot)].closure)]; }
+  ClosureWork& get_slot_work(int slot) const { return ev_.closures[at(plan_.loop_slots[at(slot)].closure)]; }
+  std::span<const LoopLink> get_links(const LoopClosure& closure) const {
+    return {plan_.loop_links.data() + closure.first_link, static_cast<std::size_t>(closure.links)};
+  }
   double get_scale(int joint, int row) const {
     const PlanJoint& j = plan_.joints[at(joint)];
     return row < kRotX ? j.share : j.turning_share;
@@ -62,22 +69,22 @@ class ClusterSplit {
 
   // Of no joint of the tree yet: the loop's own rows, and its scaled unit wrenches at its two bodies.
   void begin(const LoopClosure& closure, ClosureWork& c) const {
-    const auto clear = [&](std::int32_t block) { clear_lanes<T>(get_block(block), c.count * kEight); };
-    clear(closure.block);
-    for (int i = 0; i < closure.links; ++i) clear(plan_.loop_links[at(closure.first_link + i)].block);
+    const Numbers own = get_block(closure.block, c);
+    own.clear(c.count);
+    for (const LoopLink& link : get_links(closure)) get_block(link.block, get_work(link)).clear(c.count);
     for (int r = 0; r < kEight; ++r) c.gradient[r] = c.change[r] = c.scale[r] = 0;
     for (int r = 0; r < c.count; ++r) {
       c.scale[r] = get_scale(closure.joint, c.row[r]);
       c.gradient[r] = get_multiplier(closure, c, r) / c.scale[r];
-      get_block(closure.block)[r * kEight + r] = 1;
+      own.row(r)[r] = 1;
     }
     const JointFrame& f = ev_.non_tree_frames[at(closure.non_tree)];
     for (const bool follower : {true, false}) {
       const std::int32_t slot = follower ? closure.on_follower : closure.on_base;
       if (slot == kNone) continue;
-      double* F = get_columns(slot);
-      clear_lanes<T>(F, kBlockNumbers);
-      for (int r = 0; r < c.count; ++r) spread(F + r, kEight, c.scale[r] * calc_row_wrench(f, c.row[r], follower));
+      const Numbers F = get_columns(slot);
+      F.clear(kRows);
+      for (int r = 0; r < c.count; ++r) F.set_column(r, c.scale[r] * calc_row_wrench(f, c.row[r], follower));
     }
   }
 
@@ -114,15 +121,15 @@ class ClusterSplit {
     const HeldRows held = get_held_rows(node);
     const Vec3T<T> offset = spread<T>(read(ev_.blocks.data(), node.place, &SolverLane::offset));
     for (int slot = node.first_slot + node.closing; slot < node.first_slot + node.slots; ++slot) {
-      ClosureWork& work = get_work(slot);
-      double* F = get_columns(slot);
-      for_lanes<T>(work.count, [&](int c) UNLATCH_INLINE_LAMBDA {
-        const SpatialT<T> force = load_lanes<T>(F, c);
-        hand_on(plan_.loop_slots[at(slot)], offset, c, force);
+      ClosureWork& work = get_slot_work(slot);
+      const Numbers F = get_columns(slot);
+      F.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
+        const SpatialT<T> force = F.get_spatial(c);
+        add_to_parent(plan_.loop_slots[at(slot)], offset, c, force);
         T gradient = load<T>(work.gradient + c);
         for (int k = 0; k < held.count; ++k) {
           const T part = dot(held.along[k], force);
-          store(F + k * kEight + c, part);
+          F.set(k, c, part);
           gradient = gradient + part * T(held.load[k]);
         }
         store(work.gradient + c, gradient);
@@ -130,114 +137,108 @@ class ClusterSplit {
     }
     add_energies(node, held.count);
   }
-  UNLATCH_INLINE void hand_on(const LoopSlot& slot, const Vec3T<T>& offset, int c, SpatialT<T> force) const {
+  UNLATCH_INLINE void add_to_parent(const LoopSlot& slot, const Vec3T<T>& offset, int c, SpatialT<T> force) const {
     if (slot.parent == kNone) return;
     force.ang += cross(offset, force.lin);
-    double* to = get_columns(slot.parent);
-    store_lanes(to, c, slot.begins != 0 ? force : load_lanes<T>(to, c) + force);
+    const Numbers to = get_columns(slot.parent);
+    to.set_spatial(c, slot.begins != 0 ? force : to.get_spatial(c) + force);
   }
   // The quadratic form of what is on the node's joint.
   void add_energies(const ClusterNode& node, int rows) const {
     const std::int32_t* pair = plan_.loop_pairs.data() + node.first_pair;
     for (int i = node.first_slot + node.closing; i < node.first_slot + node.slots; ++i) {
-      const double* left = get_columns(i);
+      const Numbers left = get_columns(i);
       for (int j = i; j < node.first_slot + node.slots; ++j, ++pair) {
-        const double* right = get_columns(j);
-        double* block = get_block(*pair);
-        for_lanes<T>(get_work(j).count, [&](int c) UNLATCH_INLINE_LAMBDA {
-          for (int r = 0; r < get_work(i).count; ++r) {
-            T sum = load<T>(block + r * kEight + c);
-            for (int k = 0; k < rows; ++k) sum = sum + T(left[k * kEight + r]) * load<T>(right + k * kEight + c);
-            store(block + r * kEight + c, sum);
+        const Numbers right = get_columns(j), block = get_block(*pair, get_slot_work(j));
+        right.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
+          for (int r = 0; r < left.get_count(); ++r) {
+            T sum = block.get(r, c);
+            for (int k = 0; k < rows; ++k) sum = sum + T(left.row(k)[r]) * right.get(k, c);
+            block.set(r, c, sum);
           }
         });
       }
     }
   }
 
-  // z of the k-th pivot over the lanes of a block of the factor, and of a block of the quadratic form that is behind
+  // z of the k-th pivot over the columns of a block of the factor, and of a block of the quadratic form that is behind
   // it.
   struct Pivot {
     bool independent;
-    int lane;
+    int row;
     double scale;  // of z
     double half;   // of the pivot of the form
   };
   Pivot get_pivot(const LoopClosure& closure, const ClosureWork& c, int k) const {
     const int p = c.order[k];
-    const double pivot = get_block(closure.block)[p * kEight + p];
+    const double pivot = get_block(closure.block, c).row(p)[p];
     if (k < c.rank) return {true, p, c.inverse[k] / c.scale[p], 0.5 * pivot};
     return {false, p, 1 / pivot, 0};
   }
-  UNLATCH_INLINE T relate(const Pivot& pivot, std::int32_t block, const double* scale, int c) const {
-    const int at = pivot.lane * kEight + c;
-    if (pivot.independent) return (load<T>(get_factor(block) + at) * T(pivot.scale)) * load<T>(scale + c);
-    return load<T>(get_block(block) + at) * T(pivot.scale);
+  UNLATCH_INLINE T relate(const Pivot& pivot, std::int32_t block, const ClosureWork& to, int c) const {
+    if (pivot.independent) return (get_factor(block, to).get(pivot.row, c) * T(pivot.scale)) * load<T>(to.scale + c);
+    return get_block(block, to).get(pivot.row, c) * T(pivot.scale);
   }
   // And u: the form += u zᵀ + z uᵀ.
-  UNLATCH_INLINE void relate_lanes(const Pivot& pivot, std::int32_t block, ClosureWork& to) const {
-    for_lanes<T>(to.count, [&](int c) UNLATCH_INLINE_LAMBDA {
-      const T z = relate(pivot, block, to.scale, c), q = load<T>(get_block(block) + pivot.lane * kEight + c);
+  UNLATCH_INLINE void relate_columns(const Pivot& pivot, std::int32_t block, ClosureWork& to) const {
+    for_packs<T>(to.count, [&](int c) UNLATCH_INLINE_LAMBDA {
+      const T z = relate(pivot, block, to, c), q = get_block(block, to).get(pivot.row, c);
       store(to.z + c, z);
       store(to.u + c, pivot.independent ? T(pivot.half) * z - q : T(-0.5) * q);
     });
   }
-  static UNLATCH_INLINE void add_pair(double* row, int count, double u, double z, const ClosureWork& to) {
-    for_lanes<T>(count, [&](int c) UNLATCH_INLINE_LAMBDA {
+  static UNLATCH_INLINE void add_pair(double* row, double u, double z, const ClosureWork& to) {
+    for_packs<T>(to.count, [&](int c) UNLATCH_INLINE_LAMBDA {
       store(row + c, load<T>(row + c) + (T(u) * load<T>(to.z + c) + T(z) * load<T>(to.u + c)));
-    });
-  }
-  static UNLATCH_INLINE void reduce_gradient(double by, ClosureWork& to) {
-    for_lanes<T>(to.count, [&](int c) UNLATCH_INLINE_LAMBDA {
-      store(to.gradient + c, load<T>(to.gradient + c) - T(by) * load<T>(to.z + c));
     });
   }
 
   void eliminate(const LoopClosure& closure, ClosureWork& c) const {
-    const LoopLink* links = plan_.loop_links.data() + closure.first_link;
+    const std::span<const LoopLink> links = get_links(closure);
+    const Numbers own = get_block(closure.block, c);
     for (int k = 0; k < c.count; ++k) {
       const Pivot pivot = get_pivot(closure, c, k);
-      const double gradient = c.gradient[pivot.lane];
-      relate_lanes(pivot, closure.block, c);
+      const double gradient = c.gradient[pivot.row];
+      relate_columns(pivot, closure.block, c);
       for (int j = k + 1; j < c.count; ++j) {
         const int r = c.order[j];
-        add_pair(get_block(closure.block) + r * kEight, c.count, c.u[r], c.z[r], c);
+        add_pair(own.row(r), c.u[r], c.z[r], c);
         c.gradient[r] -= gradient * c.z[r];
       }
-      for (int i = 0; i < closure.links; ++i) {
-        ClosureWork& other = get_work(links[i]);
-        relate_lanes(pivot, links[i].block, other);
+      for (const LoopLink& link : links) {
+        ClosureWork& other = get_work(link);
+        const Numbers block = get_block(link.block, other);
+        relate_columns(pivot, link.block, other);
         for (int j = k + 1; j < c.count; ++j) {
           const int r = c.order[j];
-          add_pair(get_block(links[i].block) + r * kEight, other.count, c.u[r], c.z[r], other);
+          add_pair(block.row(r), c.u[r], c.z[r], other);
         }
-        reduce_gradient(gradient, other);
+        subtract<T>(other.gradient, other.count, gradient, other.z);
       }
       const std::int32_t* pair = plan_.loop_pairs.data() + closure.first_pair;
-      for (int i = 0; i < closure.links; ++i) {
+      for (std::size_t i = 0; i < links.size(); ++i) {
         const ClosureWork& left = get_work(links[i]);
-        for (int j = i; j < closure.links; ++j, ++pair) {
+        for (std::size_t j = i; j < links.size(); ++j, ++pair) {
           const ClosureWork& right = get_work(links[j]);
-          for (int r = 0; r < left.count; ++r)
-            add_pair(get_block(*pair) + r * kEight, right.count, left.u[r], left.z[r], right);
+          const Numbers block = get_block(*pair, right);
+          for (int r = 0; r < left.count; ++r) add_pair(block.row(r), left.u[r], left.z[r], right);
         }
       }
     }
   }
 
   void substitute(const LoopClosure& closure, ClosureWork& c) const {
-    const LoopLink* links = plan_.loop_links.data() + closure.first_link;
     for (int k = c.count; k-- > 0;) {
       const Pivot pivot = get_pivot(closure, c, k);
-      double sum = pivot.independent ? 0 : c.gradient[pivot.lane] * pivot.scale;
-      relate_lanes(pivot, closure.block, c);
+      double sum = pivot.independent ? 0 : c.gradient[pivot.row] * pivot.scale;
+      relate_columns(pivot, closure.block, c);
       for (int j = k + 1; j < c.count; ++j) sum += c.z[c.order[j]] * c.change[c.order[j]];
-      for (int i = 0; i < closure.links; ++i) {
-        ClosureWork& other = get_work(links[i]);
-        relate_lanes(pivot, links[i].block, other);
+      for (const LoopLink& link : get_links(closure)) {
+        ClosureWork& other = get_work(link);
+        relate_columns(pivot, link.block, other);
         sum += combine(other.z, other.change, other.count);
       }
-      c.change[pivot.lane] = -sum;
+      c.change[pivot.row] = -sum;
     }
   }
 
@@ -255,7 +256,7 @@ class ClusterSplit {
         if (!has_row(rows, r)) continue;
         double sum = 0;
         for (int slot = node.first_slot + node.closing; slot < node.first_slot + node.slots; ++slot)
-          sum += combine(get_columns(slot) + k * kEight, get_work(slot).change, get_work(slot).count);
+          sum += combine(get_columns(slot).row(k), get_slot_work(slot).change, get_slot_work(slot).count);
         ev_.multipliers.get(at(joint), at(r)) += get_scale(joint, r) * sum;
         ++k;
       }

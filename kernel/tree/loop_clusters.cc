@@ -1,10 +1,11 @@
 #include "kernel/tree/loop_clusters.h"
 
 #include <algorithm>
-#include <bit>
 #include <set>
 #include <utility>
 #include <vector>
+
+#include "kernel/plan/loop_storage.h"
 
 namespace unlatch {
 namespace {
@@ -179,10 +180,7 @@ class Clusters {
     std::sort(passing.begin(), passing.end());
     node.closing = static_cast<std::int32_t>(closing.size());
     node.slots = static_cast<std::int32_t>(closing.size() + passing.size());
-    const Group& group = plan_.groups[at(node.group)];
-    // the wrench; per freedom its acceleration; the response of a free body, and that along each row
-    const int numbers =
-        kEight * (6 + std::popcount(group.freedoms) + (group.may_be_by_rows ? 6 : 0) + std::popcount(group.rows));
+    const SlotRows rows(plan_.groups[at(node.group)]);
     for (std::size_t i = 0; i < closing.size() + passing.size(); ++i) {
       const bool passes = i >= closing.size();
       const int e = passes ? passing[i - closing.size()] : closing[i];
@@ -194,7 +192,7 @@ class Clusters {
       std::int32_t to = kNone;
       if (passes && parent != kNone) to = find_slot(plan_.cluster_nodes[at(cluster_of[at(parent)])], e);
       plan_.loop_slots.push_back({e, to, 0, plan_.cluster_numbers});
-      plan_.cluster_numbers += passes ? numbers : 6 * kEight;
+      plan_.cluster_numbers += (passes ? rows.count() : SlotRows::kWrenches) * kEight;
     }
     node.first_pair = add_pairs(passing);
     plan_.cluster_nodes.push_back(node);

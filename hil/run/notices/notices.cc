@@ -14,6 +14,7 @@
 #include "hil/scenario/model/index.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::hil {
 namespace {
@@ -126,6 +127,7 @@ void NoticeWatch::update(const StepReport& report) {
   watch_contacts();
   watch_friction(!begun_ || !report.events.empty());
   watch_commands();
+  watch_loops(report);
   if (audit_) watch_drift();
   watch_search(report);
   if (audit_) watch_energy();
@@ -315,6 +317,22 @@ void NoticeWatch::watch_commands() {
     add("command", scenario_.model.channels[c].name,
         format("its loop swings at dt·omega %.3g: the delay of a tick and the hold turn its phase by %.0f deg", size,
                1.5 * size * 180 / kPi));
+  }
+}
+
+// Rows that are redundant only nearly: which they are changes only with their number and with events.
+void NoticeWatch::watch_loops(const StepReport& report) {
+  const bool changed = !begun_ || report.redundant != redundant_ || !report.events.empty();
+  redundant_ = report.redundant;
+  if (!changed || nearly_redundant_) return;
+  for (const RedundantRows& rows :
+       list_redundant_rows(simulation_.plan(), simulation_.state(), simulation_.workspace())) {
+    if (rows.nearly == 0) continue;
+    nearly_redundant_ = true;
+    add("redundant", scenario_.model.joints[at(rows.joints.front())].name,
+        format("%d of the rows of its closed loops follow from the others only nearly, and are not held: give points "
+               "and axes with all their digits, so that axes that should be parallel are",
+               rows.nearly));
   }
 }
 

@@ -88,6 +88,7 @@ class NoticeWatch {
   void watch_contacts();
   void watch_friction(bool modes_are_new);
   void watch_commands();
+  void watch_loops(const StepReport& report);
   void watch_drift();
   void watch_search(const StepReport& report);
   void watch_energy();
@@ -110,6 +111,8 @@ class NoticeWatch {
   std::vector<ElementMobility> mobilities_;        // in the present modes
   std::vector<Course> courses_;
   bool postponed_ = false, unlocated_ = false, unseen_ = false;  // reported searches for events
+  std::int32_t redundant_ = 0;                                   // rows of loops at the latest tick
+  bool nearly_redundant_ = false;                                // reported
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;
   std::vector<std::byte> memory_;

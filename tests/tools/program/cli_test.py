@@ -185,10 +185,10 @@ events:
         checked = call(UNLATCH, "check", scenario)
         self.assertIn(told, checked.stdout)
         joints = [f"bolt{k}" for k in range(8)]
-        self.assertEqual(self.run_json(UNLATCH, "check", scenario)["redundant"], [{"joints": joints, "rows": 8, "redundant": 5}])
+        self.assertEqual(self.run_json(UNLATCH, "check", scenario)["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "nearly_redundant": 0}])
         self.assertIn(told, call(UNLATCH, "run", scenario).stdout)
         run = self.run_json(UNLATCH, "run", scenario, "--sample", "0.02")
-        self.assertEqual(run["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "from": 0.0, "until": 0.049}])
+        self.assertEqual(run["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "nearly_redundant": 0, "from": 0.0, "until": 0.049}])
         for joint in joints:
             self.assertAlmostEqual(run["samples"][0]["reactions"][joint]["lambda"][0], 100, 9)
         refused = call(UNLATCH, "check", scenario, "--set", "joints.bolt0.share=0")

@@ -21,14 +21,20 @@ std::string describe(const Model& model, const RedundantRows& rows) {
   for (std::size_t i = 0; i < named; ++i)
     text += (i > 0 ? ", " : "") + model.joints[static_cast<std::size_t>(rows.joints[i])].name;
   if (named < rows.joints.size()) text += " and " + std::to_string(rows.joints.size() - named) + " more";
-  return text + (rows.redundant == 1 ? " is" : " are") +
-         " redundant: the split of their reactions is not unique (by equal stiffnesses, or as `share` says)";
+  text +=
+      (rows.redundant == 1 ? " is" : " are") +
+      std::string(" redundant: the split of their reactions is not unique (by equal stiffnesses, or as `share` says)");
+  if (rows.nearly > 0)
+    text += "; " + std::to_string(rows.nearly) + " of them only nearly, and " +
+            (rows.nearly == 1 ? "that one is" : "those are") +
+            " not held: give points and axes with all their digits, so that axes that should be parallel are";
+  return text;
 }
 
 nlohmann::ordered_json build_json(const Model& model, const RedundantRows& rows) {
   nlohmann::ordered_json joints = nlohmann::ordered_json::array();
   for (const std::int32_t joint : rows.joints) joints.push_back(model.joints[static_cast<std::size_t>(joint)].name);
-  return {{"joints", joints}, {"rows", rows.rows}, {"redundant", rows.redundant}};
+  return {{"joints", joints}, {"rows", rows.rows}, {"redundant", rows.redundant}, {"nearly_redundant", rows.nearly}};
 }
 
 }  // namespace unlatch::tools

@@ -16,7 +16,7 @@ std::string list_rows(RowSet rows, const char* none);
 // first are named.
 std::string describe(const Model& model, const RedundantRows& rows);
 
-// joints, rows, redundant.
+// joints, rows, redundant, nearly_redundant.
 nlohmann::ordered_json build_json(const Model& model, const RedundantRows& rows);
 
 }  // namespace unlatch::tools
