@@ -36,6 +36,9 @@ Engine::Engine(hil::RecordingReader recording, hil::Scenario scenario, const Loa
   begin_anew();
   replay_ = std::make_unique<ReplayFeed>(std::move(recording), *simulation_);
   has_extras_ = true;
+  if (!replay_->has_received()) return;
+  received_.resize(simulation_->get_sensors().size());
+  replay_->read_received(received_);
 }
 
 Engine::~Engine() {
@@ -68,6 +71,11 @@ unlatch_status ReplayFeed::step(StepReport& report) {
   if (report.status != StepStatus::kOk) return UNLATCH_ERROR_FAULT;
   std::swap(pending_, next_);
   return compare(has_next ? pending_.hash : recording_.end->hash);
+}
+
+void ReplayFeed::read_received(std::span<double> to) const {
+  std::ranges::copy(simulation_.get_sensors(), to.begin());
+  for (const hil::LogReceived& one : recording_.received) to[static_cast<std::size_t>(one.value)] = one.received;
 }
 
 unlatch_status ReplayFeed::compare(std::int64_t recorded) {
@@ -127,6 +135,7 @@ unlatch_status Engine::step_with_extras() noexcept {
       const unlatch_status status = replay_->step(report);
       if (status == UNLATCH_ERROR_FAULT) return fault(report);
       if (status != UNLATCH_OK) return status;
+      if (!received_.empty()) replay_->read_received(received_);
     } else {
       if (recording_) record_inputs();
       report = simulation_->step();

@@ -32,6 +32,10 @@ class ReplayFeed {
   // the step.
   unlatch_status step(StepReport& report);
 
+  // The recording has the sensors as flight software received them, here those at the present state.
+  [[nodiscard]] bool has_received() const { return recording_.header.has_received; }
+  void read_received(std::span<double> to) const;
+
  private:
   unlatch_status compare(std::int64_t recorded);
 
@@ -125,6 +129,7 @@ class Engine {
   std::string recording_error_;  // error of a recording that a fault has ended
   bool recording_ended_ = false;
   std::vector<double> clearances_;
+  std::vector<double> received_;  // of a replayed session
   std::vector<hil::Verdict> verdicts_;
   std::vector<unlatch_verdict> verdict_views_;
   std::optional<std::vector<hil::Finding>> findings_;  // about the scenario, from the first call on

@@ -78,6 +78,9 @@ unlatch_status Engine::get_array(std::int32_t which, std::size_t index, unlatch_
     case UNLATCH_SENSORS:
       show_column(array, simulation_->get_sensors());
       return UNLATCH_OK;
+    case UNLATCH_RECEIVED:
+      show_column(array, received_);
+      return UNLATCH_OK;
     case UNLATCH_SIGNALS:
       show_column(array, state.signals);
       return UNLATCH_OK;

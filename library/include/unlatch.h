@@ -195,7 +195,9 @@ enum {
   UNLATCH_SENSORS = 7,          /* values × 1, in the units of the sensors; as last sampled */
   UNLATCH_SIGNALS = 8,          /* signals × 1 */
   UNLATCH_CHANNELS = 9,         /* channels × 1: the commanded values */
-  UNLATCH_CLEARANCES = 10       /* pairs × 1, m, negative: the depth of an overlap; needs UNLATCH_JUDGE */
+  UNLATCH_CLEARANCES = 10,      /* pairs × 1, m, negative: the depth of an overlap; needs UNLATCH_JUDGE */
+  UNLATCH_RECEIVED = 11         /* as UNLATCH_SENSORS, but as flight software received them: faults distort them, States
+                                   are dropped or late. No rows unless a session is replayed */
 };
 enum { UNLATCH_DOUBLE = 0, UNLATCH_INT64 = 1 };
 

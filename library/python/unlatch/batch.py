@@ -52,22 +52,29 @@ class Batch:
         """Runs all samples that have not been run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
         After Ctrl-C another call continues. A SampleWarning names the samples without results: faulted, invalid or unresolved."""
         failure: List[BaseException] = []
+        done = threading.Event()
 
         def work() -> None:
             try:
                 self._native.run(until, threads)
             except BaseException as error:  # is raised below
                 failure.append(error)
+            finally:
+                done.set()
 
-        # Signals are handled by the main thread, so it must not wait inside the library.
-        worker = threading.Thread(target=work)
-        worker.start()
+        # Signals are handled by the main thread, so it must not wait inside the library. Nor in Thread.join(): where Ctrl-C interrupts
+        # that, Python 3.11 takes the thread for ended while it works on (bpo-45274).
+        threading.Thread(target=work).start()
         try:
-            while worker.is_alive():
-                worker.join(0.05)
+            while not done.wait(0.05):
+                pass
         except BaseException:
             self._native.interrupt()
-            worker.join()
+            while not done.is_set():
+                try:
+                    done.wait(0.05)
+                except KeyboardInterrupt:  # pressed again: the samples in flight end by themselves
+                    pass
             raise
         if failure:
             raise failure[0]

@@ -22,7 +22,7 @@ Value = TypeVar("Value")
 _BODY, _JOINT, _CHANNEL, _SENSOR, _SIGNAL, _EVENT, _REQUIREMENT, _CLEARANCE, _QUANTITY, _CONSTANT, _NUMBER = range(11)
 _KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement", "clearance", "quantity", "constant", "number")
 (_POSITIONS, _ATTITUDES, _VELOCITIES, _ANGULAR_VELOCITIES, _MODAL, _JOINT_MODES, _REACTIONS, _SENSORS, _SIGNALS, _CHANNELS,
- _CLEARANCES) = range(11)
+ _CLEARANCES, _RECEIVED) = range(12)
 _STATUS_END = 2
 _JUDGE, _NOTICE = 1, 2
 _LOOK = 0.02  # s of wall time after which run() checks for signals such as Ctrl-C
@@ -217,6 +217,10 @@ class Simulation:
         sensors = self._items[_SENSOR]
         #: sensors by name: views of their values as last sampled, in the unit of the sensor
         self.sensors = Named([s.name for s in sensors], [values[s.first:s.first + s.width] for s in sensors], "sensor")
+        received = native.get_array(_RECEIVED, 0)
+        #: the same as flight software received them, where a session is replayed: faults distort them, States are dropped or late
+        self.received = Named([s.name for s in sensors] if len(received) > 0 else [],
+                              [received[s.first:s.first + s.width] for s in sensors] if len(received) > 0 else [], "received sensor")
         signals = native.get_array(_SIGNALS, 0)
         #: signals by name: views of one value
         self.signals = Named([s.name for s in self._items[_SIGNAL]], [signals[i:i + 1] for i in range(len(signals))], "signal")

@@ -75,7 +75,8 @@ def read_table(path: Path) -> Table:
 
 def read_recording(path: Path, every: int = 1) -> Table:
     """Steps through a recording (*.log) and tabulates it at every `every`-th tick and the last: tick, t, for each body NAME.x …
-    (as `unlatch export` calls them), channels and sensors. Raises FileError, and DifferenceError where it does not replay."""
+    (as `unlatch export` calls them), channels and sensors; of a session the sensors also as flight software received them.
+    Raises FileError, and DifferenceError where it does not replay."""
     if every < 1:
         raise ValueError("every is 1 or more, in ticks")
     with open_recording(path) as sim:
@@ -107,13 +108,14 @@ def _list_views(sim: Simulation) -> Tuple[List[str], Dict[str, str], List[npt.ND
             for letter in letters:
                 names.append(f"{name}.{letter}")
                 units[names[-1]] = unit
-    for name, value in sim.sensors.items():
-        views.append(value)
-        letters = {1: ("",), 3: (".x", ".y", ".z"), 4: (".w", ".x", ".y", ".z")}.get(
-            len(value), (".x", ".y", ".z", ".rot_x", ".rot_y", ".rot_z"))
-        for letter in letters[:len(value)]:
-            names.append(f"sensor.{name}{letter}")
-            units[names[-1]] = sim.get_unit("sensor", name)
+    for kind, sensors in (("sensor", sim.sensors), ("received", sim.received)):
+        for name, value in sensors.items():
+            views.append(value)
+            letters = {1: ("",), 3: (".x", ".y", ".z"), 4: (".w", ".x", ".y", ".z")}.get(
+                len(value), (".x", ".y", ".z", ".rot_x", ".rot_y", ".rot_z"))
+            for letter in letters[:len(value)]:
+                names.append(f"{kind}.{name}{letter}")
+                units[names[-1]] = sim.get_unit("sensor", name)
     for name in sim.channels:
         names.append(f"channel.{name}")
         units[names[-1]] = sim.get_unit("channel", name)
