@@ -5,6 +5,7 @@
 
 #include "kernel/math/index.h"
 #include "kernel/model/validate.h"
+#include "unlatch/readings.h"
 
 namespace unlatch {
 namespace {
@@ -58,25 +59,6 @@ constexpr std::array<Named, 12> kSensors{{{Kind::kPosition, false, Quantity::kAl
                                           {Kind::kClearance}}};
 static_assert(kSensors.size() == static_cast<std::size_t>(Sensor::Kind::kQuantity));
 
-// An element turns about an axis or, a torque, acts about one.
-bool turns(const Model& model, int element) {
-  bool found = false;
-  std::size_t first = 0;
-  const auto i = at(element);
-  const auto look = [&](const auto& list, const auto& is_angular) {
-    if (i >= first && i < first + list.size()) found = is_angular(list[i - first]);
-    first += list.size();
-  };
-  look(model.loads, [](const Load& l) { return l.kind == Load::Kind::kTorque; });
-  look(model.point_springs, [](const PointSpring&) { return false; });
-  look(model.joint_springs, [](const JointSpring& s) { return s.axis >= kRotX; });
-  look(model.plane_torsions, [](const PlaneTorsion&) { return true; });
-  look(model.contacts, [](const Contact&) { return false; });
-  look(model.one_sided, [](const OneSided& f) { return f.joint != kNone && f.axis >= kRotX; });
-  look(model.frictions, [](const JointFriction& f) { return f.axis >= kRotX; });
-  return found;
-}
-
 bool is_angular(const Model& model, const Quantity& quantity, const QuantityTraits& traits) {
   switch (traits.values) {
     case QuantityValues::kOfRow:
@@ -88,7 +70,8 @@ bool is_angular(const Model& model, const Quantity& quantity, const QuantityTrai
     default:
       break;
   }
-  if (traits.of == SubjectOf::kElement) return turns(model, quantity.subject);
+  if (traits.of == SubjectOf::kElement)
+    return is_index(quantity.subject, at(model.element_count())) && describe_element(model, quantity.subject).angular;
   if (traits.of != SubjectOf::kOneSided) return false;
   const OneSided& force = model.one_sided[at(quantity.subject)];
   return force.joint != kNone && force.axis >= kRotX;

@@ -7,7 +7,7 @@
 // smooth as the motion while their number stays. (On such reactions: García de Jalón and Gutiérrez-López, Multibody
 // Syst. Dyn. 30, 2013; Udwadia and Kalaba, Analytical Dynamics, 1996, on the generalised inverse.)
 //
-// The factor of Λ (loop_rows.h) tells that row d follows from the r independent ones, W_d − X_r W_r = rows of the tree,
+// The factor of Λ (loop_rows.h) shows that row d follows from the r independent ones, W_d − X_r W_r = rows of the tree,
 // with X_r = L₂₁ L₁₁⁻¹. The tree carries the difference without any acceleration, so statics alone give the rows' parts
 // X_t of its joints: a loop's unit force is moved along the loop to each joint of the tree and resolved there. With all
 // rows divided by √k, the independent ones' multipliers λ and X = (X_r, X_t),
