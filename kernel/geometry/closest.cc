@@ -30,6 +30,32 @@ Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
   return r + (y1 * A.u1 + y2 * A.u2);
 }
 
+// Way of two points that counts as none, squared.
+double calc_touching(double size) { return (kRounding * size) * (kRounding * size); }
+
+// Distance, direction and certificate of the nearest points `at`; `apart`: neither is inside of the other core.
+Closest complete(const Core& a, const Core& b, const Closest& at, bool apart, double size) {
+  Closest out = at;
+  const Vec3 d = at.b - at.a;
+  const double squared = dot(d, d);
+  if (!apart || squared <= calc_touching(size)) return out;
+  out.apart = true;
+  out.distance = std::sqrt(squared);
+  out.n = (1.0 / out.distance) * d;
+  out.gap = calc_gap(a, b, out);
+  return out;
+}
+
+// Where one of the cores is a point, one projection is all.
+Closest calc_closest_of_point(const Core& a, const Core& b, double size) {
+  Closest at;
+  const bool of_a = a.kind == Core::Kind::kPoint;
+  const Projection on = of_a ? calc_projection(b, a.c) : calc_projection(a, b.c);
+  at.a = of_a ? a.c : (on.inside ? b.c : on.p);
+  at.b = of_a ? on.p : b.c;
+  return complete(a, b, at, !on.inside, size);
+}
+
 }  // namespace
 
 double calc_pair_size(const Core& a, const Core& b) { return (a.bound + b.bound) + norm(b.c - a.c); }
@@ -44,7 +70,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
   best.b = on_b.p;
   Vec3 y = best.b, d = best.b - best.a;
   double squared = dot(d, d);
-  const double touching = (kRounding * size) * (kRounding * size);
+  const double touching = calc_touching(size);
   // Near the end a step changes the residual, but no longer the distance, in which it is of second order.
   bool level = false, newton = false, apart = !on_b.inside;
   double last = 0;
@@ -76,12 +102,7 @@ Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, doubl
     y = y + calc_newton_step(on_b.J, on_a.J, r);
     newton = true;
   }
-  if (!apart || squared <= touching) return best;
-  best.apart = true;
-  best.distance = std::sqrt(squared);
-  best.n = (1.0 / best.distance) * (best.b - best.a);
-  best.gap = calc_gap(a, b, best);
-  return best;
+  return complete(a, b, best, apart, size);
 }
 
 Closest calc_closest(const Core& a, const Core& b) {
@@ -90,7 +111,8 @@ Closest calc_closest(const Core& a, const Core& b) {
   const bool polytopes =
       is_polytope(a) && is_polytope(b) && a.kind != Core::Kind::kPoint && b.kind != Core::Kind::kPoint;
   if (!polytopes) {
-    first = calc_closest_from(a, b, calc_projection(a, b.c).p, size);
+    const bool point = a.kind == Core::Kind::kPoint || b.kind == Core::Kind::kPoint;
+    first = point ? calc_closest_of_point(a, b, size) : calc_closest_from(a, b, calc_projection(a, b.c).p, size);
     if (!first.apart || first.gap <= kCertified * size) return first;
   }
   const Gjk g = calc_gjk(a, b, b.c - a.c);
