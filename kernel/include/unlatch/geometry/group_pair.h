@@ -22,6 +22,7 @@ class GroupPair {
   // May allocate, later not.
   GroupPair(ShapeGroup a, ShapeGroup b);
 
+  // The two groups.
   [[nodiscard]] const ShapeGroup& get_a() const { return a_; }
   [[nodiscard]] const ShapeGroup& get_b() const { return b_; }
   // As calc_distance() of the two.
