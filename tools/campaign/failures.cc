@@ -138,20 +138,26 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   hil::SubsetSimulation subset(make_subset_plan(failure, plan));
   std::int64_t failed = 0;
   const std::vector<double> margins = data.read_failure_margins(failure);
+  std::int64_t unresolved = 0;
   for (std::size_t row = 0; row < data.rows; ++row) {
     subset.note(data.table->get_sample(row), margins[row]);
-    failed += margins[row] < 0 ? 1 : 0;
+    const bool open = data.table->get_status(row) == hil::SampleStatus::kUnresolved;
+    unresolved += open ? 1 : 0;
+    failed += !open && margins[row] < 0 ? 1 : 0;
   }
   const hil::SubsetEstimate estimate = subset.calc_estimate();
   Json json = data.manifest.at("subset");
   json.erase("column_index");
   json["finished"] = subset.is_finished();
   json["reached"] = estimate.reached;
-  json["probability"] = subset.is_finished() ? to_json(estimate.probability) : Json(nullptr);
-  json["deviation"] = to_json(estimate.deviation);
-  json["interval"] = {estimate.low, estimate.high};
-  json["met"] = subset.is_finished() && estimate.reached && estimate.high <= failure.at_most;
+  // The levels take unresolved samples for failures, so that only the upper bound holds where there are any.
+  const bool known = subset.is_finished() && unresolved == 0;
+  json["probability"] = known ? to_json(estimate.probability) : Json(nullptr);
+  json["deviation"] = known || !subset.is_finished() ? to_json(estimate.deviation) : Json(nullptr);
+  json["interval"] = {unresolved == 0 ? estimate.low : 0.0, estimate.high};
+  json["met"] = known && estimate.reached && estimate.high <= failure.at_most;
   json["failed_samples"] = failed;
+  json["unresolved_samples"] = unresolved;
   json["levels_run"] = Json::array();
   json["curve"] = Json::array();
   double before = 1;

@@ -52,6 +52,13 @@ void print_rare(std::FILE* to, const Json& rare) {
     std::fprintf(to, "  not finished\n");
     return;
   }
+  if (const auto unresolved = rare.at("unresolved_samples").get<long long>(); unresolved > 0) {
+    const std::string most = format("probability at most %.2e (95 %%)", rare.at("interval")[1].get<double>()) +
+                             ", without an estimate: " + count(unresolved, "unresolved sample") +
+                             (unresolved == 1 ? " is" : " are") + " taken for a failure";
+    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, most).c_str());
+    return;
+  }
   const std::string text = format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
                                   rare.at("interval")[0].get<double>(), rare.at("interval")[1].get<double>());
   const bool met = rare.at("met").get<bool>();

@@ -46,6 +46,11 @@ const parts = {
   STYLE_HASH: hash(style.text),
   LICENCES: escape(collectLicences([...script.inputs, ...style.inputs])),
 };
-const page = readFileSync(path.join(web, 'page.html'), 'utf8').replace(/%([A-Z_]+)%/g, (whole, name) => parts[name] ?? whole);
+// The first line, "%HEAD title%", stands for the head that all pages share.
+const head = readFileSync(new URL('web/head.html', import.meta.url), 'utf8').trim();
+const source = readFileSync(path.join(web, 'page.html'), 'utf8');
+if (!/^%HEAD .+%\n/.test(source)) throw new Error('the page does not begin with %HEAD title%');
+const whole = source.replace(/^%HEAD (.+)%/, (_, title) => head.replace('%TITLE%', () => title));
+const page = whole.replace(/%([A-Z_]+)%/g, (whole, name) => parts[name] ?? whole);
 if (page.split('%UNLATCH_DATA%').length !== 2) throw new Error('the page needs one place for the data');
 writeFileSync(output, page);

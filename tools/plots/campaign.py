@@ -1,4 +1,4 @@
-"""The figure of a campaign: distribution of what a requirement limits, its drivers, times of the events."""
+"""The figure of a campaign: distribution of what a requirement limits, the first-order indices of its inputs, times of the events."""
 import csv
 
 BLUE, RED = "#1d3557", "#c1121f"
@@ -39,18 +39,21 @@ def draw_distribution(axes, summary, folder, ids, labels, colours, what, unit, f
 
 
 def draw_drivers(axes, tools, summary, name):
-    column = next(column for column in summary["columns"] if column["name"] == name)
-    pairs = zip([entry["name"] for entry in summary["inputs"]], column["sensitivity"]["spearman"])
-    bars = sorted((pair for pair in pairs if pair[1] is not None), key=lambda pair: -abs(pair[1]))[:BARS][::-1]
-    axes.barh([name for name, _ in bars], [value for _, value in bars], color=[BLUE if value > 0 else "#e09f3e" for _, value in bars], height=0.6)
-    for k, (_, value) in enumerate(bars):
-        axes.annotate(f"{value:+.2f}", (value, k), (3 if value > 0 else -3, 0), textcoords="offset points", va="center", ha="left" if value > 0 else "right", fontsize=tools.LABEL)
-    axes.axvline(0, color="0.5", linewidth=0.8)
-    axes.set_xlim(-1.25, 1.25)
+    """First-order indices on a fixed scale, with their intervals, and the line below which an input without influence stays."""
+    sensitivity = next(column for column in summary["columns"] if column["name"] == name)["sensitivity"]
+    entries = zip([entry["name"] for entry in summary["inputs"]], sensitivity["first_order"], sensitivity["spearman"])
+    bars = sorted((entry for entry in entries if entry[1]["index"] is not None), key=lambda entry: -entry[1]["index"])[:BARS][::-1]
+    for k, (_, first, rank) in enumerate(bars):
+        axes.barh(k, max(0, first["index"]), color=BLUE if rank > 0 else "#e09f3e", height=0.6)
+        axes.plot(first["interval"], [k, k], color="0.2", linewidth=1)
+        axes.annotate(f"{first['index']:.2f}", (max(0, first["index"], first["interval"][1]), k), (3, 0), textcoords="offset points", va="center", fontsize=tools.LABEL)
+    axes.axvline(sensitivity["significant"], color=RED, linewidth=0.8, linestyle=":")
+    axes.set_yticks(range(len(bars)), [name for name, _, _ in bars])
+    axes.set_xlim(0, 1.15)
     axes.tick_params(axis="y", labelsize=tools.LABEL)
     axes.grid(axis="y", visible=False)
     axes.set_axisbelow(True)
-    axes.set_xlabel("Spearman's rank correlation")
+    axes.set_xlabel("first-order index, 95 %; yellow: it falls; dotted: significant from here", fontsize=tools.LABEL)
     axes.set_title(f"What decides {name}", loc="left")
 
 

@@ -68,10 +68,12 @@ void judge_contacts(const Model& model, const Simulation& simulation, double dt,
       findings.push_back(
           {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});
     const double speed = estimate_speed(model, simulation.state(), contact);
-    const std::string text =
-        describe_unresolved(reading.closed ? calc_rates(model, simulation.state(), contact, reading)
-                                           : estimate_rates(model, contact, speed),
-                            dt, get_most_contact_substeps(model));
+    ContactRates rates = reading.closed ? calc_rates(model, simulation.state(), contact, reading)
+                                        : estimate_rates(model, contact, speed);
+    // Friction acts beside the centre of mass, so that it also turns the bodies.
+    if (!reading.closed && rates.decay > 0)
+      rates.decay *= calc_most_mobility(model, contact) / calc_least_mobility(model, contact);
+    const std::string text = describe_unresolved(rates, dt, get_most_contact_substeps(model));
     const bool of_speed = !reading.closed && (contact.exponent > 1 || contact.friction > 0);
     if (!text.empty())
       findings.push_back({"contact", where, text + (of_speed ? format(" (for a blow of %.3g m/s)", speed) : "")});

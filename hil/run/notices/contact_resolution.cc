@@ -1,9 +1,11 @@
 #include "hil/run/notices/contact_resolution.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "hil/run/notices/format.h"
+#include "unlatch/geometry.h"
 
 namespace unlatch::hil {
 namespace {
@@ -63,6 +65,20 @@ double calc_least_mobility(const Model& model, const Contact& contact) {
   const auto get_mobility = [&](int surface) {
     const Body* const body = find_body(model, surface);
     return body == nullptr ? 0 : 1 / body->mass;
+  };
+  return get_mobility(contact.base) + get_mobility(contact.follower);
+}
+
+double calc_most_mobility(const Model& model, const Contact& contact) {
+  const auto get_mobility = [&](int surface) {
+    const Body* const body = find_body(model, surface);
+    if (body == nullptr) return 0.0;
+    const geometry::ShapeGroup group =
+        geometry::build_group("", model.surfaces[static_cast<std::size_t>(surface)].shapes);
+    const double arm = norm(group.centre) + group.bound;
+    const double least =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body->inertia, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+    return 1 / body->mass + (std::isfinite(arm) ? arm * arm / least : 0);
   };
   return get_mobility(contact.base) + get_mobility(contact.follower);
 }

@@ -26,6 +26,9 @@ ContactRates calc_rates(const Model& model, const State& state, const Contact& c
 ContactRates estimate_rates(const Model& model, const Contact& contact, double speed);
 // Sum of the inverse masses of a contact's two bodies, 1/kg: the mobility of a blow in the middle of both.
 double calc_least_mobility(const Model& model, const Contact& contact);
+// Greatest mobility of a slip, 1/kg: at the points of both surfaces that are the farthest from the centres of mass,
+// about the axes of the least inertias. Allocates.
+double calc_most_mobility(const Model& model, const Contact& contact);
 // Speed of a blow that is still to come: that of its restitution; or that of the two bodies now, if they come nearer at
 // more than 1 mm/s; else 1 m/s.
 double estimate_speed(const Model& model, const State& state, const Contact& contact);

@@ -15,6 +15,10 @@ struct CampaignFinding {
 // Corners that are looked at, each with every parameter at one of its ends.
 inline constexpr int kFindingCorners = 8;
 
+// Findings of a scenario as it stands, then those that others with the values of corners add.
+std::vector<CampaignFinding> list_findings_of_corners(const ScenarioTree& tree,
+                                                      const std::vector<std::vector<Setting>>& corners);
+
 // Findings of the scenario as it stands, then those that corners add. Takes as long as `check` of so many scenarios.
 std::vector<CampaignFinding> list_campaign_findings(const Campaign& campaign);
 

@@ -187,25 +187,38 @@ void check_draws(const Campaign& campaign, Mistakes& mistakes) {
   if (mistakes.count() == 0) check_together(campaign, mistakes);
 }
 
-std::vector<CampaignFinding> list_campaign_findings(const Campaign& campaign) {
+std::vector<CampaignFinding> list_findings_of_corners(const ScenarioTree& tree,
+                                                      const std::vector<std::vector<Setting>>& corners) {
   std::vector<CampaignFinding> list;
-  const auto add = [&](const std::vector<Setting>& settings, int corners) {
-    const Scenario scenario = campaign.tree->read(settings);
+  const auto add = [&](const std::vector<Setting>& settings, int number) {
+    const Scenario scenario = tree.read(settings);
     for (const Finding& finding : list_findings(scenario, *build_simulation(scenario))) {
       const auto known = std::ranges::find_if(list, [&](const CampaignFinding& other) {
         return other.finding.name == finding.name && other.finding.where == finding.where;
       });
       if (known == list.end())
-        list.push_back({finding, corners});
+        list.push_back({finding, number});
       else if (known->corners > 0)
         ++known->corners;
     }
   };
   add({}, 0);
-  if (campaign.plan.sampling == Sampling::kCsv || campaign.parameters.empty()) return list;
-  for (int corner = 0; corner < kFindingCorners; ++corner)
-    add(make_settings(campaign, calc_inputs(campaign, draw_corner(campaign, static_cast<std::uint64_t>(corner)))), 1);
+  for (const std::vector<Setting>& settings : corners) {
+    try {
+      add(settings, 1);
+    } catch (const ScenarioError&) {  // no run begins there
+    }
+  }
   return list;
+}
+
+std::vector<CampaignFinding> list_campaign_findings(const Campaign& campaign) {
+  std::vector<std::vector<Setting>> corners;
+  const bool drawn = campaign.plan.sampling != Sampling::kCsv && !campaign.parameters.empty();
+  for (int corner = 0; drawn && corner < kFindingCorners; ++corner)
+    corners.push_back(
+        make_settings(campaign, calc_inputs(campaign, draw_corner(campaign, static_cast<std::uint64_t>(corner)))));
+  return list_findings_of_corners(*campaign.tree, corners);
 }
 
 }  // namespace unlatch::hil

@@ -255,6 +255,22 @@ parameters:
         self.assertIn("| slow | It \\| turns slowly | deg/s |  | 2 | met |", review)
         self.assertIn("| y | mm |", review)
         self.assertRegex(printed, r"slow .* deg/s\n")
+        # The page has them too, and the row of a run that misses any requirement.
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", out, "--out", page, "--flights", "0")
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(page)
+        self.assertEqual(browser.complaints, [])
+        cells = browser.evaluate("[...document.querySelectorAll('#verdict tr')].slice(1).map((row) => [...row.children].map((cell) => cell.textContent))")
+        self.assertEqual([row[0] for row in cells], ["slow", "near", "kept", "any requirement"])
+        self.assertEqual([row[1] for row in cells], ["≤ 2 deg/s", "≥ -2, ≤ 2 mm", "≥ 0.5 m/s", ""])
+        requirements = {one["id"]: one for one in summary["requirements"]}
+        self.assertAlmostEqual(float(cells[0][8]), math.degrees(requirements["slow"]["quantiles"]["0.5"]), delta=1e-4)
+        self.assertAlmostEqual(float(cells[1][8]), 1e3 * requirements["near"]["quantiles"]["0.5"], delta=1e-4)
+        self.assertEqual(cells[3][2], str(summary["any_requirement"]["failed"]))
+        self.assertEqual(browser.evaluate("[...document.querySelectorAll('#worst th')].slice(1, 3).map((cell) => cell.textContent)"), ["slow [deg/s]", "near [mm]"])
+        self.assertEqual(browser.evaluate("[...document.querySelectorAll('#inputs tr')].slice(1).map((row) => row.children[1].textContent)"), ["mm", "m/s", "deg/s"])
 
     # Springs of a catalogue: stiffness and preload of one row together.
     def test_rows_of_a_catalogue_are_drawn_together(self):
@@ -488,6 +504,40 @@ parameters:
         print(f"Sobol' indices: first order {worst[0]:.1e}, total {worst[1]:.1e}", file=sys.stderr)
         self.assertLess(worst[0], 1e-3)  # the estimator itself scatters by 0.03
         self.assertLess(worst[1], 1e-11)
+
+    # Ishigami's function from samples as they are: z has no first-order influence, y an even one that no rank correlation sees.
+    # OpenTURNS fits a polynomial chaos expansion to the same samples, ours sorts them into bins; both come near the closed form.
+    def test_first_order_indices_from_given_samples_are_those_of_openturns_and_the_closed_form(self):
+        import openturns as ot
+        (self.folder / "ball.yaml").write_text(
+            BALL.replace("velocity: [0, 0, 0]", "velocity: [sin(x) + 7*sin(y)*sin(y) + z*z*z*z*sin(x)/10 + 20, 0, 0]", 1)
+            + "constants: {x: 0, y: 0, z: 0}\n")
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 4000\nparameters:\n" + "".join(
+            f"  {name}: {{path: constants.{name}, uniform: {{min: {-math.pi!r}, max: {math.pi!r}}}}}\n" for name in "xyz"))
+        summary = self.run_campaign(path, "out", code=(0, 1))
+        given = next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]
+        table = read_table(self.folder / "out")
+        inputs = ot.Sample([[float(row[name]) for name in "xyz"] for row in table])
+        outputs = ot.Sample([[float(row["fast [m/s]"])] for row in table])
+        terms = ot.LinearEnumerateFunction(3)
+        basis = ot.OrthogonalProductPolynomialFactory([ot.LegendreFactory()] * 3, terms)
+        expansion = ot.FunctionalChaosAlgorithm(inputs, outputs, ot.ComposedDistribution([ot.Uniform(-math.pi, math.pi)] * 3),
+                                                ot.FixedStrategy(basis, terms.getStrataCumulatedCardinal(10)), ot.LeastSquaresStrategy())
+        expansion.run()
+        sobol = ot.FunctionalChaosSobolIndices(expansion.getResult())
+        theirs = [sobol.getSobolIndex(k) for k in range(3)]
+        # Variances by parts, of 7 sin^2 y and (1 + z^4/10) sin x.
+        of_x, of_y, of_xz = 0.5 * (1 + math.pi ** 4 / 50) ** 2, 49 / 8, math.pi ** 8 * (1 / 18 - 1 / 50) / 100
+        exact = [of_x / (of_x + of_y + of_xz), of_y / (of_x + of_y + of_xz), 0]
+        for k, first in enumerate(given["first_order"]):
+            self.assertAlmostEqual(first["index"], exact[k], delta=0.04)  # two deviations of 4000 samples: 0.03; bias 5 index/bins^2
+            self.assertAlmostEqual(theirs[k], exact[k], delta=0.01)  # the expansion leaves 1e-3 of the variance
+            self.assertAlmostEqual(first["index"], theirs[k], delta=0.04)
+            self.assertEqual(first["index"] > given["significant"], k < 2)
+            self.assertLess(first["interval"][0], exact[k] + 0.02)
+            self.assertGreater(first["interval"][1], exact[k] - 0.02)
+        self.assertLess(abs(given["spearman"][1]), 0.05)  # blind for y
 
     # The seed shifts Boost's sequence: it changes the same bits of all numbers of an axis. OpenTURNS has other direction
     # numbers from the third axis on; SciPy's are those of Joe and Kuo, too.

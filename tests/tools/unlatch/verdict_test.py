@@ -8,6 +8,7 @@ import csv
 import json
 import re
 
+from browser import Browser
 from junitparser import Error, Failure, JUnitXml
 from processes import UNLATCH, ProcessTest, main
 
@@ -351,6 +352,71 @@ bodies: {box: {mass: 1, inertia: [1, 1, 1], position: [side, twice + 1 mm, 0]}}
         self.assertEqual(summary["any_requirement"]["failed"], 0)
         self.assertGreater(summary["any_requirement"]["probability"][1], len(unresolved) / 8)
         self.assertIn("unresolved: ", text)
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", out, "--out", page, "--flights", "0")
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(page)
+        rows = browser.evaluate("[...document.querySelectorAll('#verdict tr')].map((row) => [...row.children].slice(2, 4).map((cell) => [cell.textContent, cell.firstElementChild?.className]))")
+        self.assertEqual([cell[0] for cell in rows[0]], ["failed", "unresolved"])
+        self.assertEqual(rows[1], [["0", ""], [str(len(unresolved)), "bad"]])  # no failure, and not good either
+
+    # A speed above 3.5 m/s has the probability 4.65e-4 by the normal distribution. Blows that the step does not resolve are
+    # taken for failures by the levels, so that there is a bound and no estimate.
+    def test_unresolved_samples_of_subset_sampling_leave_a_bound_and_no_estimate(self):
+        self.write(BLOW.replace("SUBSTEPS", "1").replace("at_most: 100}\n  - {id: before", "at_most: 3.5}\n  - {id: before"))
+        campaign = self.folder / "rare.campaign.yaml"
+        campaign.write_text("unlatch_campaign: 1\nname: rare\nscenario: pass.yaml\nsamples: 200\nsampling: subset\n"
+                            "subset: {of: speed, above: 3.5, at_most: 0.5}\n"
+                            "parameters:\n  v: {path: 'bodies.ball.velocity[0]', normal: {mean: 0, sigma: 1}}\n")
+        out = self.folder / "rare"
+        said = self.run_ok(UNLATCH, "campaign", campaign, "--out", out, code=1).stdout
+        rare = json.loads((out / "summary.json").read_text())["rare"]
+        self.assertGreater(rare["unresolved_samples"], 0)
+        self.assertEqual((rare["finished"], rare["met"], rare["probability"], rare["deviation"], rare["interval"][0]), (True, False, None, None, 0))
+        self.assertGreater(rare["interval"][1], 4.65e-4)
+        self.assertIn("unresolved samples are taken for a failure", said)
+        self.assertNotRegex(said, r"probability [\d.]+, 95")
+
+    # The blow of a contact that is open at the start: sqrt(k/m) h is 0.07, but its friction would stop the slip, which also
+    # turns the ball (1/m + r^2/I = 0.75 1/kg), in 6 us: 0.5 * 3.16 m/s * sqrt(k m) / (1 mm/s) * 0.75 1/kg = 1.68e5 1/s.
+    def test_check_forecasts_the_friction_of_contacts_that_are_open_at_the_start(self):
+        rough = BLOW.replace("SUBSTEPS", "1").replace("velocity: [-3, 0, 0]", "velocity: [-3, 1, 0]").replace(
+            "stiffness: 0.4 MN/m", "stiffness: 10 kN/m, friction: 0.5, slip_speed: 1 mm/s")
+        (warning,) = self.run_json(UNLATCH, "check", self.write(rough))["warnings"]
+        self.assertEqual((warning["name"], warning["where"]), ("contact", "contact 'blow'"))
+        self.assertRegex(warning["text"], r"rate at which friction stops the slip 168: beyond what is stable.*for a blow of 3.16 m/s")
+        self.assertEqual(self.run_json(UNLATCH, "run", self.write(rough), code=1)["status"], "unresolved")
+        step = float(re.search(r"a step of (\S+) s would do", warning["text"]).group(1))
+        fine = self.run_json(UNLATCH, "run", self.write(rough), "--dt", str(int(step * 0.8e6) * 1e-6))
+        self.assertEqual(fine["status"], "ok")
+        smooth = self.write(rough.replace(", friction: 0.5, slip_speed: 1 mm/s", ""))
+        self.assertEqual(self.run_json(UNLATCH, "check", smooth)["warnings"], [])
+        self.assertEqual(self.run_json(UNLATCH, "run", smooth)["status"], "ok")
+
+    # A mass that the start does not have: the warnings of `check` for a problem are also those at the ends of its bounds.
+    def test_check_of_a_problem_warns_at_the_corners_of_its_bounds(self):
+        self.write(BLOW.replace("SUBSTEPS", "4").replace("mass: 2, inertia: [1, 1, 1], position: [1.8", "mass: 200, inertia: [1, 1, 1], position: [1.8"))
+        problem = self.folder / "problem.yaml"
+        text = ("unlatch_optimize: 1\nname: p\nscenario: pass.yaml\nvariables:\n  weight: {path: bodies.ball.mass, between: [0.001, 200], start: 200}\n"
+                "objectives: [{minimise: speed}]\n")
+        problem.write_text(text)
+        checked = self.run_json(UNLATCH, "check", problem)
+        (warning,) = [one for one in checked["warnings"] if "blow" in one["where"]]
+        self.assertEqual((warning["name"], warning["corners"]), ("contact", 4))
+        self.assertIn("(at 4 of 8 corners of the bounds)", self.run_ok(UNLATCH, "check", problem).stdout)
+        problem.write_text(text.replace("0.001", "150"))
+        self.assertEqual(self.run_json(UNLATCH, "check", problem)["warnings"], [])
+
+    # What a body does under a profile whose corner the step misses is unresolved, and with it what springs carry on.
+    def test_a_missed_corner_of_a_law_leaves_what_depends_on_it_unresolved(self):
+        more = ("bodies:\n  away: {mass: 4 kg, inertia: [1, 1, 1], position: [9, 0, 0], velocity: [0.01, 0, 0]}\n  held: {mass: 4 kg, inertia: [1, 1, 1], position: [-1, 0, 0]}\n")
+        text = (PULSE.replace("bodies:\n", more).replace("elements:\n", "elements:\n  link: {type: spring, between: [lid, held], stiffness: 10, free_length: 1}\n") +
+                "  - {id: linked, velocity: {body: held}, at_most: 10}\n  - {id: alone, velocity: {body: away}, at_most: 10}\n"
+                "  - {id: early, velocity: {body: lid}, to: half, at_most: 10}\nevents: [{name: half, when: {time: 0.5}}]\n")
+        report = self.run_json(UNLATCH, "run", self.write(text), code=1)
+        self.assertEqual([(v["id"], v["met"], v["resolved"]) for v in report["verdict"]],
+                         [("slow", False, False), ("linked", False, False), ("alone", True, True), ("early", True, True)])
 
     def test_check_tells_which_cannot_be_evaluated(self):
         path = self.write(SCENARIO + MISSED)

@@ -9,6 +9,7 @@
 #include "hil/scenario/random/philox.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/campaign_findings.h"
+#include "hil/study/optimize/problem/problem_findings.h"
 #include "tools/common/alike.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
@@ -164,14 +165,16 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
-// Warnings of the scenario, and those at the corners of what a campaign may draw.
-nlohmann::ordered_json print_campaign_findings(std::FILE* to, const hil::Campaign& campaign) {
+constexpr const char* kDrawn = "what may be drawn";
+
+// Warnings of the scenario, and those at the corners of what may be chosen: "what may be drawn" or "the bounds".
+nlohmann::ordered_json print_corner_findings(std::FILE* to, const std::vector<hil::CampaignFinding>& findings,
+                                             const char* chosen) {
   nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
-  for (const hil::CampaignFinding& one : hil::list_campaign_findings(campaign)) {
+  for (const hil::CampaignFinding& one : findings) {
     if (warnings.empty()) std::fprintf(to, "Warnings of the scenario\n");
     const std::string corners =
-        one.corners == 0 ? ""
-                         : format(" (at %d of %d corners of what may be drawn)", one.corners, hil::kFindingCorners);
+        one.corners == 0 ? "" : format(" (at %d of %d corners of %s)", one.corners, hil::kFindingCorners, chosen);
     const std::string text = one.finding.where + (one.finding.where.empty() ? "" : " ") + one.finding.text + corners;
     std::fprintf(to, "  %s\n", paint(to, Colour::kYellow, text).c_str());
     warnings.push_back({{"name", one.finding.name},
@@ -215,7 +218,7 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
       std::fprintf(to, "  %-24s from the table: %s\n", parameter.name.c_str(), paths.c_str());
     list.push_back({{"name", parameter.name}, {"paths", parameter.paths}, {"unit", parameter.unit}});
   }
-  const nlohmann::ordered_json warnings = print_campaign_findings(to, campaign);
+  const nlohmann::ordered_json warnings = print_corner_findings(to, hil::list_campaign_findings(campaign), kDrawn);
   std::fprintf(to, "%s is valid\n", campaign.file.c_str());
   if (!json.empty())
     write_json(nlohmann::ordered_json{{"schema", 1},
@@ -262,10 +265,13 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
         hil::is_optimize_problem(hil::read_text_file(options.path, "scenario"))) {
       const hil::OptimizeProblem problem = hil::load_optimize_problem(options.path);
       print_problem(get_people_stream(json), problem);
-      const hil::Scenario& nominal = problem.tree->get_nominal();
-      print_findings(get_people_stream(json), nominal, hil::list_findings(nominal, *hil::build_simulation(nominal)));
-      if (problem.campaign) print_campaign_findings(get_people_stream(json), *problem.campaign->nominal);
-      if (!json.empty()) write_problem_json(problem, json);
+      std::FILE* const to = get_people_stream(json);
+      nlohmann::ordered_json warnings = print_corner_findings(to, hil::list_problem_findings(problem), "the bounds");
+      if (problem.campaign)
+        for (const nlohmann::ordered_json& one :
+             print_corner_findings(to, hil::list_campaign_findings(*problem.campaign->nominal), kDrawn))
+          warnings.push_back(one);
+      if (!json.empty()) write_problem_json(problem, warnings, json);
       return kExitDone;
     }
     const hil::Scenario scenario = load(options);

@@ -113,13 +113,14 @@ Json build_verification(const OptimizeReport& report) {
 
 }  // namespace
 
-void write_problem_json(const OptimizeProblem& problem, const std::string& target) {
+void write_problem_json(const OptimizeProblem& problem, const Json& warnings, const std::string& target) {
   Json json{{"schema", 1}, {"problem", problem.name}, {"scenario", problem.scenario}, {"status", "ok"}};
   json["variables"] = build_variables(problem, get_start(problem));
   for (const Objective& objective : problem.objectives)
     json["objectives"].push_back({{"sense", get_sense(objective)}, {"of", objective.text}, {"unit", objective.unit}});
   json["constraints"] = Json::array();
   for (const OptimizeConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.name);
+  json["warnings"] = warnings;
   write_json(json, target);
 }
 

@@ -32,7 +32,8 @@ struct OptimizeReport {
 bool is_verified(const OptimizeReport& report);
 
 void print_problem(std::FILE* to, const hil::OptimizeProblem& problem);
-void write_problem_json(const hil::OptimizeProblem& problem, const std::string& target);
+void write_problem_json(const hil::OptimizeProblem& problem, const nlohmann::ordered_json& warnings,
+                        const std::string& target);
 
 void print_optimize_report(std::FILE* to, const OptimizeReport& report);
 nlohmann::ordered_json build_optimize_json(const OptimizeReport& report);
