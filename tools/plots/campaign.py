@@ -53,7 +53,7 @@ def draw_drivers(axes, tools, summary, name):
     axes.tick_params(axis="y", labelsize=tools.LABEL)
     axes.grid(axis="y", visible=False)
     axes.set_axisbelow(True)
-    axes.set_xlabel("first-order index, 95 %; yellow: it falls; dotted: significant from here", fontsize=tools.LABEL)
+    axes.set_xlabel("first-order index; dotted: significant")
     axes.set_title(f"What decides {name}", loc="left")
 
 
