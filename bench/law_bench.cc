@@ -72,7 +72,8 @@ void calculate(benchmark::State& bench, int operations) {
   const Inputs inputs{simulation.commands};
   const Instant now{simulation.data(), inputs, simulation.state, simulation.get_time()};
   const Evaluation& ev = simulation.evaluation();
-  for (auto _ : bench) benchmark::DoNotOptimize(calc_law(now, ev.law_operands, ev.laws, ev.table_exits, 0));
+  for (auto _ : bench)
+    benchmark::DoNotOptimize(calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places}, 0));
 }
 
 void read_quantity(benchmark::State& bench, Quantity::Kind kind) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/events/corners.h"
 #include "kernel/events/crossing.h"
 #include "kernel/events/guards.h"
 #include "kernel/integration/integrator.h"
@@ -16,6 +17,8 @@ constexpr double kSimultaneous = 1e-6;
 constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
 constexpr int kMostLooks = 8;  // tries that search for touches within a sub-step
+constexpr int kMostCornerTries = 6;
+constexpr int kMostCornerSplits = 8;  // of a step
 
 // Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
 bool try_substep(Run& run, const SubstepStart& start, double end) {
@@ -30,6 +33,7 @@ bool try_substep(Run& run, const SubstepStart& start, double end) {
 void keep_low(Run& run) {
   std::copy(run.ev().guards.begin(), run.ev().guards.end(), run.search().guards_low.begin());
   std::copy(run.ev().pair_rates.begin(), run.ev().pair_rates.end(), run.search().rates_low.begin());
+  std::copy_n(run.ev().law_places.begin(), run.search().places_low.size(), run.search().places_low.begin());
 }
 
 void keep_high(Run& run) {
@@ -207,6 +211,40 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return looks == most || try_substep(run, start, end) ? end : kFailed;
 }
 
+// --- Corners of laws -------------------------------------------------------------------------------------------------
+
+// The time of the first corner that is passed up to `end`, of which the evaluation is; `end` if there is none, or
+// kFailed. The evaluation is of that time, guards_high too.
+[[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end) {
+  EventSearch& s = run.search();
+  if (s.corners >= kMostCornerSplits) return end;
+  const PassedCorner corner = find_corner(run.plan, start.t, end, s.places_low, run.ev().law_places);
+  if (corner.place == kNone) return end;
+  ++s.corners;
+  const double side = run.ev().law_places[at(corner.place)] > s.places_low[at(corner.place)] ? 1 : -1;
+  const auto calc_guard = [&](std::span<const double> places) {
+    return side * (places[at(corner.place)] - corner.knot);
+  };
+  Bracket bracket{0, end - start.t, 0};
+  const double tolerance = std::max(kLocated * bracket.to, run.plan.get_slack());
+  double low = calc_guard(s.places_low), high = calc_guard(run.ev().law_places), middle = 0, reached = end;
+  Crossing next = interpolate(bracket, low, high, middle);
+  for (int i = 0; i < kMostCornerTries; ++i) {
+    const double x = next.time;
+    reached = std::min(start.t + x, end);
+    if (!try_substep(run, start, reached)) return kFailed;
+    const double guard = calc_guard(run.ev().law_places);
+    double& replaced = guard >= 0 ? high : low;
+    middle = replaced;
+    replaced = guard;
+    bracket.narrow(x, guard >= 0);
+    next = interpolate(bracket, low, high, middle);
+    if (std::fabs(next.time - x) <= tolerance) break;
+  }
+  keep_high(run);
+  return reached;
+}
+
 // Tolerances of guards: an event whose guard is this little below zero acts together with the first.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search();
@@ -232,7 +270,8 @@ Reached advance_to_event(Run& run, double now, double target, bool may_split) no
   const SubstepStart start = begin_substep(run.plan, now, run.ev());
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
-  const double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
+  double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
+  if (end == target && may_split && !run.plan.laws.corners.empty()) end = find_corner_time(run, start, end);
   if (end == kFailed) return {kFailed, false};
   const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) return stop_at_first(run, start, end);

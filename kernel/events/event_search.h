@@ -26,7 +26,8 @@ struct Reached {
   bool at_event;  // a guard has crossed zero there; tolerances of all guards are in EventSearch::tolerances
 };
 
-// Integrates from `now`, the time of the evaluation, to `target` or, if `may_split`, to the first event before it.
+// Integrates from `now`, the time of the evaluation, to `target` or, if `may_split`, to the first event or the first
+// corner of a law before it.
 // Leaves the evaluation of that time, guards included; the state does not change. Without `may_split` crossings are
 // counted as postponed. Adds to the report what the search left open.
 Reached advance_to_event(Run& run, double now, double target, bool may_split) noexcept;

@@ -117,7 +117,10 @@ class LawCompiler {
       compiler_.plan.law_numbers.driving = get_size(plan_.order);
       compiler_.plan.law_numbers.driving_operands = get_size(plan_.operands);
     }
-    for (const Law& law : model_.laws) append(law);
+    compiler_.plan.law_numbers.places = 0;
+    zero_ = get_size(plan_.numbers);
+    plan_.numbers.push_back(0);
+    for (std::size_t i = 0; i < model_.laws.size(); ++i) append(model_.laws[i], graph_.driving[i]);
   }
 
  private:
@@ -137,11 +140,16 @@ class LawCompiler {
     }
   }
 
-  void append(const Law& law) {
+  void append(const Law& law, bool driving) {
     plan_.list.push_back(
         {get_size(plan_.steps), get_size(law.steps), law.scale_channel, law.offset_channel, law.scale, law.offset});
     for (const LawStep& step : law.steps) {
-      PlanLawStep out{step.kind, step.subject, step.value, false};
+      PlanLawStep out{step.kind, step.subject, step.value, kNone, false};
+      if (const int count = count_law_places(model_, step); count > 0) {
+        out.place = compiler_.plan.law_numbers.places;
+        compiler_.plan.law_numbers.places += count;
+        if (driving) append_corners(step, out.place);
+      }
       if (const Quantity* quantity = get_quantity(step)) {
         out.of_law = quantity->kind == Quantity::Kind::kLaw;
         out.subject = out.of_law ? quantity->subject : operands_.at(step.subject);
@@ -150,11 +158,30 @@ class LawCompiler {
     }
   }
 
+  // A linear table has corners at its knots, a smooth one where it is left, a branch where it changes.
+  void append_corners(const LawStep& step, std::int32_t place) {
+    if (step.kind != LawStep::Kind::kTable) {
+      plan_.corners.push_back({place, zero_, 1});
+      return;
+    }
+    const PlanTable& table = plan_.tables[at(step.subject)];
+    for (std::int32_t a = 0; a < table.axis_count; ++a) {
+      const PlanTableAxis& axis = plan_.axes[at(table.first_axis + a)];
+      if (!table.smooth) {
+        plan_.corners.push_back({place + a, axis.knots, axis.count});
+        continue;
+      }
+      plan_.corners.push_back({place + a, axis.knots, 1});
+      plan_.corners.push_back({place + a, axis.knots + axis.count - 1, 1});
+    }
+  }
+
   const Model& model_;
   const LawGraph graph_;
   ElementCompiler& compiler_;
   PlanLawLists<GrowingList>& plan_;
   std::map<int, std::int32_t> operands_;  // by the model's number of the quantity
+  std::int32_t zero_ = 0;                 // the knot of a branch
 };
 
 // A command decides the value of some law.

@@ -2,6 +2,8 @@
 
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/math/index.h"
+#include "kernel/plan/evaluation.h"
+#include "unlatch/model/law_places.h"
 
 namespace unlatch {
 namespace {
@@ -79,6 +81,35 @@ class Sorter {
 }  // namespace
 
 std::vector<bool> list_driving_laws(const Model& model) { return build_law_graph(model).driving; }
+
+int count_law_places(const Model& model, const LawStep& step) {
+  switch (step.kind) {
+    case LawStep::Kind::kTable:
+      return static_cast<int>(model.tables[at(step.subject)].axes.size());
+    case LawStep::Kind::kAbs:
+    case LawStep::Kind::kMin:
+    case LawStep::Kind::kMax:
+    case LawStep::Kind::kIfLess:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+std::vector<TableLookup> list_table_lookups(const Model& model) {
+  std::vector<TableLookup> list;
+  int place = 0;
+  for (std::size_t i = 0; i < model.laws.size(); ++i)
+    for (const LawStep& step : model.laws[i].steps) {
+      if (step.kind == LawStep::Kind::kTable) list.push_back({static_cast<int>(i), step.subject, place});
+      place += count_law_places(model, step);
+    }
+  return list;
+}
+
+std::span<const double> get_law_places(const Workspace& workspace) noexcept {
+  return get_data(workspace).kept.evaluation.law_places;
+}
 
 LawGraph build_law_graph(const Model& model) {
   LawGraph graph = Sorter(model).sort();

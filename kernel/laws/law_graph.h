@@ -13,6 +13,9 @@ struct LawGraph {
   std::vector<int> circle;    // laws that depend on themselves; where there are any, the rest is not valid
 };
 
+// How many numbers of Evaluation::law_places a step of a law has: the coordinates of a table, what decides a branch.
+int count_law_places(const Model& model, const LawStep& step);
+
 // Indices in laws must exist; those in elements need not.
 LawGraph build_law_graph(const Model& model);
 

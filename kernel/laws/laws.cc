@@ -99,7 +99,7 @@ double apply(const PlanLawStep& step, double a, double b) {
 }  // namespace
 
 double calc_law(const Instant& now, std::span<const double> operands, std::span<const double> laws,
-                std::span<TableExit> exits, int law) noexcept {
+                const LawTraces& traces, int law) noexcept {
   using Kind = LawStep::Kind;
   const PlanLaws& plan = now.plan.laws;
   const PlanLaw& own = plan.list[at(law)];
@@ -117,7 +117,8 @@ double calc_law(const Instant& now, std::span<const double> operands, std::span<
         break;
       case Kind::kTable:
         top -= plan.tables[at(step.subject)].axis_count;
-        *top = look_up(now, exits, step.subject, top);
+        std::copy_n(top, plan.tables[at(step.subject)].axis_count, &traces.places[at(step.place)]);
+        *top = look_up(now, traces.exits, step.subject, top);
         ++top;
         break;
       case Kind::kAdd:
@@ -125,17 +126,26 @@ double calc_law(const Instant& now, std::span<const double> operands, std::span<
       case Kind::kMultiply:
       case Kind::kDivide:
       case Kind::kAtan2:
+        --top;
+        top[-1] = apply(step, top[-1], top[0]);
+        break;
       case Kind::kMin:
       case Kind::kMax:
         --top;
+        traces.places[at(step.place)] = top[-1] - top[0];
         top[-1] = apply(step, top[-1], top[0]);
         break;
       case Kind::kIfLess:
         top -= 3;
+        traces.places[at(step.place)] = top[-1] - top[0];
         if (top[-1] != top[-1] || top[0] != top[0])
           top[-1] += top[0];  // NaN
         else
           top[-1] = top[-1] < top[0] ? top[1] : top[2];
+        break;
+      case Kind::kAbs:
+        traces.places[at(step.place)] = top[-1];
+        top[-1] = apply(step, top[-1]);
         break;
       default:
         top[-1] = apply(step, top[-1]);
@@ -155,7 +165,8 @@ void update_range(const Instant& now, Range operands, Range laws, Evaluation& ev
   for (std::size_t i = operands.from; i < operands.to; ++i)
     ev.law_operands[i] = calc_scalar(now, ev, now.plan.quantities[at(plan.operands[i])]);
   for (std::size_t i = laws.from; i < laws.to; ++i)
-    ev.laws[at(plan.order[i])] = calc_law(now, ev.law_operands, ev.laws, ev.table_exits, plan.order[i]);
+    ev.laws[at(plan.order[i])] =
+        calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places}, plan.order[i]);
 }
 
 }  // namespace

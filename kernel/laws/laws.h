@@ -17,8 +17,13 @@ std::span<const double> update_driving_laws(const Instant& now, Evaluation& ev) 
 // All other laws and operands: from the accelerations and forces of the instant as well.
 void update_other_laws(const Instant& now, Evaluation& ev) noexcept;
 
-// Value of one law. `operands`: as PlanLaws::operands; `laws`: those that it reads; `exits`: per table.
+// What a law leaves beside its value.
+struct LawTraces {
+  std::span<TableExit> exits;  // per table
+  std::span<double> places;    // as PlanLawStep::place
+};
+// Value of one law. `operands`: as PlanLaws::operands; `laws`: those that it reads.
 double calc_law(const Instant& now, std::span<const double> operands, std::span<const double> laws,
-                std::span<TableExit> exits, int law) noexcept;
+                const LawTraces& traces, int law) noexcept;
 
 }  // namespace unlatch

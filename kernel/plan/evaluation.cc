@@ -51,6 +51,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.load_sizes, plan.loads.size());
   arena.take(ev.laws, plan.laws.list.size());
   arena.take(ev.law_operands, plan.laws.operands.size());
+  arena.take(ev.law_places, static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(ev.table_exits, plan.laws.tables.size());
   arena.take(ev.friction_sizes, plan.frictions.size());
   arena.take(ev.varying, plan.varying.size());
@@ -95,6 +96,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
     arena.take(*guards, events + plan.contact_pairs.size());
   for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
     arena.take(*rates, plan.contact_pairs.size());
+  arena.take(search.places_low, plan.laws.corners.empty() ? 0 : static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
   // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.
@@ -120,6 +122,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
   for (TableExit& exit : ev.table_exits) exit = {};
+  for (double& place : ev.law_places) place = 0;
   for (double& tolerance : data_->exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};

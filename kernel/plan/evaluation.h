@@ -172,6 +172,7 @@ struct Evaluation {
   // computed by update_driving_laws() and update_other_laws()
   std::span<double> laws;            // per law
   std::span<double> law_operands;    // as PlanLaws::operands
+  std::span<double> law_places;      // as PlanLawStep::place
   std::span<TableExit> table_exits;  // per table
 
   // computed by begin_compliance() and begin_second_stage()
@@ -248,6 +249,8 @@ struct EventSearch {
   std::span<double> guards_middle;            // at the end of the bracket that was replaced last
   std::span<double> tolerances;               // a guard within this of zero acts together with the located one
   std::span<double> rates_low, rates_high;    // per pair: Evaluation::pair_rates at both ends of the sub-step
+  std::span<double> places_low;               // Evaluation::law_places at the start of the sub-step
+  std::int32_t corners;                       // of laws at which this step has been split
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // of values, for the evaluation of one guard
 };

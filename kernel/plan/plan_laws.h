@@ -37,7 +37,13 @@ struct PlanLawStep {
   LawStep::Kind kind;
   std::int32_t subject;
   double value;
+  std::int32_t place;  // of a table its coordinates, of a branch what decides it: in Evaluation::law_places; or kNone
   bool of_law;
+};
+
+// Where a law that forces read has corners: where a number of Evaluation::law_places is at one of these knots.
+struct PlanCorner {
+  std::int32_t place, knots, count;  // the first knot, into PlanLaws::numbers; how many
 };
 
 struct PlanLaw {
@@ -49,6 +55,7 @@ struct PlanLaw {
 // In PlanNumbers.
 struct PlanLawNumbers {
   std::int32_t driving = 0, driving_operands = 0;  // of PlanLaws::order and PlanLaws::operands, the first
+  std::int32_t places = 0;                         // numbers of Evaluation::law_places
   bool strict = false;                             // some table ends the run where it is left
 };
 
@@ -65,6 +72,7 @@ struct PlanLawLists {
   // others; likewise the operands, which are places in PlanData::quantities.
   List<std::int32_t> order, operands;
   List<std::int32_t> loads;  // that a law sizes
+  List<PlanCorner> corners;
 
   bool empty() const { return list.empty(); }
 
@@ -80,6 +88,7 @@ struct PlanLawLists {
     use(lists.order...);
     use(lists.operands...);
     use(lists.loads...);
+    use(lists.corners...);
   }
 };
 using PlanLaws = PlanLawLists<FixedList>;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "kernel/elements/compliance.h"
+#include "kernel/events/corners.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
 #include "kernel/integration/integrator.h"
@@ -155,6 +156,7 @@ class SideBySide {
     if (std::none_of(stays_.begin(), stays_.end(), [](bool stays) { return stays; })) return false;
     std::copy(ev_.guards.begin(), ev_.guards.end(), search_.guards_low.begin());
     std::copy(ev_.pair_rates.begin(), ev_.pair_rates.end(), search_.rates_low.begin());
+    std::copy_n(ev_.law_places.begin(), search_.places_low.size(), search_.places_low.begin());
     const Instant end = get_instant(end_);
     const SubstepStart start = begin_substep(plan_, begin_, ev_);
     if (integrate(end, start, end_, ev_) != kNone || evaluate(end, Changed::kVelocities, ev_) != kNone) return false;
@@ -167,7 +169,8 @@ class SideBySide {
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
 
-  // True if no guard crosses zero (compare crosses() in event_search.cc), and no pair of shapes can have touched.
+  // True if no guard crosses zero (compare crosses() in event_search.cc), no law passes a corner, and no pair of shapes
+  // can have touched.
   bool passes_quietly(std::size_t m) const {
     const PlanData& own = get_data(*runs_[m].plan);
     const double slack = plan_.get_slack();
@@ -178,12 +181,19 @@ class SideBySide {
           high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
         return false;
     if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
+    if (!own.laws.corners.empty() &&
+        find_corner(own, begin_, end_, get_places(m, search_.places_low), get_places(m, ev_.law_places)).place != kNone)
+      return false;
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)
       if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||
           (search_.rates_low[first + i] < 0 && ev_.pair_rates[first + i] > 0))
         return false;
     return true;
+  }
+
+  std::span<const double> get_places(std::size_t m, std::span<const double> places) const {
+    return places.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
   }
 
   bool leaves_table(std::size_t m) const {
@@ -226,6 +236,7 @@ class SideBySide {
   void copy_readings(const BundleMember& member, Evaluation& to) const {
     std::copy_n(ev_.load_sizes.begin() + member.load, to.load_sizes.size(), to.load_sizes.begin());
     std::copy_n(ev_.laws.begin() + member.law, to.laws.size(), to.laws.begin());
+    std::copy_n(ev_.law_places.begin() + member.law_place, to.law_places.size(), to.law_places.begin());
     std::copy_n(ev_.table_exits.begin() + member.table, to.table_exits.size(), to.table_exits.begin());
     std::copy_n(ev_.friction_sizes.begin() + member.friction, to.friction_sizes.size(), to.friction_sizes.begin());
     for (std::size_t i = 0; i < member.coordinates.size(); ++i) {

@@ -81,18 +81,19 @@ double calc_next_stop(const Run& run, double now, double end) {
   return end;
 }
 
-// Advances from `now` to the end of the step or of its present part, or to the first event before it. Returns the time
-// that is reached; on failure the end of the step.
+// Advances from `now` to the end of the step or of its present part, or to the first event or corner of a law before
+// it. Returns the time that is reached; on failure the end of the step.
 double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
   const double end = calc_next_stop(run, now, step_end);
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
-  const Reached reached = advance_to_event(run, now, reaches_due && due < end - slack ? due : end, may_split);
+  const double target = reaches_due && due < end - slack ? due : end;
+  const Reached reached = advance_to_event(run, now, target, may_split);
   if (reached.time == kFailed) return step_end;
   accept(run);
-  if (reached.at_event || reaches_due) {
+  if (reached.at_event || (reaches_due && reached.time == target)) {
     ++splits;
     act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact, false);
   } else if (reached.time < step_end) {
@@ -162,6 +163,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   if (log != nullptr) log->clear();
   const double begin = plan.get_time(state.header->tick), end = plan.get_time(state.header->tick + 1);
   run.events().fired_count = run.events().audit_count = run.events().change_count = 0;
+  run.search().corners = 0;
 
   // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);

@@ -41,13 +41,24 @@ struct AccuracyEntry {
   [[nodiscard]] double get_relative() const { return value.size > 0 ? error / value.size : 0; }
 };
 
+// Of one body's start the change that grows most, and the body whose place at the end changes most by it.
+struct StartGrowth {
+  std::string start, end;  // bodies
+  bool velocity = false;   // of the start: a velocity, otherwise a place
+  // Change of the place at the end over that of the start: of a place m per m; of a velocity, over what it makes in the
+  // time of the run without any force. 1 in free motion.
+  double factor = 0;
+};
+
 struct AccuracyReport {
   std::vector<AccuracyEntry> entries;
   std::string mismatch;  // difference other than in numbers: "an event more at dt/2: …"; or the failure of a run
   double tolerance = 0;  // relative to each value's size
-  std::optional<double> step;  // s, the largest tried step that meets the tolerance; absent if none was found
-  std::string limit;           // name of the value that limits the step
-  bool interrupted = false;    // SIGINT or SIGTERM ended the comparison: entries may be missing
+  std::optional<double> step;       // s, the largest tried step that meets the tolerance; absent if none was found
+  std::string limit;                // name of the value that limits the step
+  bool interrupted = false;         // SIGINT or SIGTERM ended the comparison: entries may be missing
+  std::vector<StartGrowth> growth;  // of changes of the start, where it is notable
+  bool growth_measured = false;
   bool out_of_budget = false;  // the search for the step ended before it had found one
 };
 

@@ -41,7 +41,8 @@ void add_law_findings(const Scenario& scenario, std::vector<Finding>& findings) 
       const bool is_new = judged.insert(steps[k].subject).second;
       if (is_new && table.interpolation == Table::Interpolation::kLinear)
         findings.push_back({"corner", quoted("table", table.name),
-                            "is linear, and forces read it: a step that passes one of its knots is of second order; "
+                            "is linear, and forces read it: each knot that is passed is located within the step, which "
+                            "costs two or three sub-steps; "
                             "`interpolation: smooth` has no corners"});
       if (is_new && k > 0 && table.axes.size() == 1 && is_time(model, steps[k - 1]))
         judge_interval(table, scenario.dt, findings);

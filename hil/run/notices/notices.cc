@@ -52,6 +52,9 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       pointless_sided_(scenario.model.one_sided.size()),
       profile_notices_(scenario.model.loads.size()),
       left_(scenario.model.tables.size()),
+      skipped_(scenario.model.tables.size()),
+      beside_(scenario.model.one_sided.size()),
+      cells_(scenario.model),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -122,7 +125,9 @@ void NoticeWatch::update(const StepReport& report) {
   }
   if (!begun_ || !report.events.empty()) watch_springs();
   watch_tables();
+  watch_cells(report);
   watch_directions();
+  watch_guides();
   watch_profiles();
   watch_contacts();
   watch_friction(!begun_ || !report.events.empty());
@@ -221,6 +226,24 @@ void NoticeWatch::watch_tables() {
   }
 }
 
+// Tables that a step skips cells of.
+void NoticeWatch::watch_cells(const StepReport& step) {
+  for (const SkippedCells& skipped : cells_.update(get_law_places(simulation_.workspace()), !step.events.empty())) {
+    const Table& table = scenario_.model.tables[at(skipped.table)];
+    const std::string& axis = table.axes[at(skipped.axis)].name;
+    report(
+        skipped_[at(skipped.table)], "cell", table.name, skipped.cells,
+        [&] {
+          return format(
+              "a step passes %.0f whole cells of its axis %s, from %.4g to %.4g: a smaller step, or a coarser table, "
+              "would do",
+              skipped.cells, axis.empty() ? std::to_string(skipped.axis + 1).c_str() : axis.c_str(), skipped.from,
+              skipped.to);
+        },
+        skipped.bodies);
+  }
+}
+
 void NoticeWatch::watch_directions() {
   for (std::size_t i = 0; i < pointless_.size(); ++i) {
     const PointSpring& spring = scenario_.model.point_springs[i];
@@ -247,6 +270,29 @@ void NoticeWatch::watch_directions() {
                "points along the line of the force",
                length),
         list_element_bodies(scenario_.model, get_first_one_sided(scenario_.model) + static_cast<int>(i)));
+  }
+}
+
+void NoticeWatch::watch_guides() {
+  for (std::size_t i = 0; i < beside_.size(); ++i) {
+    const OneSided& force = scenario_.model.one_sided[i];
+    if (!force.guide || simulation_.state().engaged[i] == 0) continue;
+    if (calc_one_sided(simulation_.plan(), simulation_.workspace(), static_cast<int>(i)).scale == 0) continue;
+    const Vec3 line = calc_point(force.follower, force.point_follower) - calc_point(force.base, force.point_base);
+    const Vec3 guide =
+        calc_point(force.base, force.point_base + *force.guide) - calc_point(force.base, force.point_base);
+    const double beside = norm(line - dot(line, guide) * guide);
+    if (beside <= force.stroke) continue;
+    const int bodies[] = {force.follower, force.base};
+    report(
+        beside_[i], "beside", force.name, beside,
+        [&] {
+          return format(
+              "it pushes %.4g m beside its guide, farther than its stroke: its follower has come back, but not onto "
+              "it; switch it off at its `stroke_end`",
+              beside);
+        },
+        std::span(bodies).first(force.base == kGround ? 1 : 2));
   }
 }
 

@@ -17,6 +17,12 @@
 //              inaccurate instant, a touch that may have been missed
 //   drift      a row's position residual; norm: that of a body's quaternion
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
+//   cell*      a law that forces read looked a table up at places between which, from one tick to the next, there are
+//   whole
+//              cells of one of its axes, which were not seen
+//   beside*    a pusher with a guide pushes a follower whose point is farther beside the guide than the stroke is long:
+//   it
+//              has come back, but not onto the pusher
 //   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
 //   energy*    energy that no force explains, beyond kEnergyNotice of the largest: a notice; beyond kEnergyFailure
 //              every body is unresolved
@@ -28,6 +34,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/notices/cell_watch.h"
 #include "hil/run/notices/energy_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/run/notices/unresolved_bodies.h"
@@ -82,8 +89,10 @@ class NoticeWatch {
   void watch_bodies();
   void watch_springs();
   void watch_directions();
+  void watch_guides();
   void watch_profiles();
   void watch_tables();
+  void watch_cells(const StepReport& step);
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_friction(bool modes_are_new);
@@ -106,9 +115,11 @@ class NoticeWatch {
   std::vector<bool> denormal_, restless_;          // reported bodies, channels
   std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
   std::vector<Slot> profile_notices_;              // of loads
-  std::vector<Slot> left_;                         // of tables
+  std::vector<Slot> left_, skipped_;               // of tables
+  std::vector<Slot> beside_;                       // of one-sided forces
   std::vector<ProfileWatch> profiles_;             // of loads
-  std::vector<ElementMobility> mobilities_;        // in the present modes
+  CellWatch cells_;
+  std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;
   bool postponed_ = false, unlocated_ = false, unseen_ = false;  // reported searches for events
   std::int32_t redundant_ = 0;                                   // rows of loops at the latest tick

@@ -252,10 +252,79 @@ TEST(LawsOfScenarios, CheckNamesCornersAndIntervalsBelowTheStep) {
     return all;
   };
   const std::string found = list(kBall);
-  EXPECT_THAT(found, HasSubstr("corner table 'push' is linear"));
+  EXPECT_THAT(found,
+              HasSubstr("corner table 'push' is linear, and forces read it: each knot that is passed is located"));
   EXPECT_EQ(found.find("'grip'"), std::string::npos);
   EXPECT_THAT(list(replace(kBall, "at: [0, 500, 1000, 2000]", "at: [0, 500, 500.5, 2000]")),
               HasSubstr("step table 'push' has an interval of 0.0005 s, less than a step of 0.001 s"));
+}
+
+// Thrust of a firing test, from the instant at which the engine is switched on; the impulse is that of the trapezoids.
+TEST(LawsOfScenarios, ATailOffFromTestDataGivesItsImpulse) {
+  const AnalysedRun run(
+      "unlatch: 1\nname: engine\nstep: {dt: 10 ms, until: 1.5 s}\nbodies: {stage: {mass: 200, inertia: [1, 1, 1]}}\n"
+      "tables: {tail: {axes: {t: {at: [0, 0.0313, 0.1208, 0.2777, 0.6], unit: s}}, values: [9, 9.4, 5.1, 1.3, 0], "
+      "unit: kN, scale: 1.02}}\n"
+      "elements: {engine: {type: thrust, body: stage, direction: [1, 0, 0], profile: {expression: tail(on_time)}, "
+      "enabled: false}}\n"
+      "events: [{name: cutoff, when: {time: 0.2345}, then: [{switch: {element: engine, to: true}}]}]\n");
+  const double t[] = {0, 0.0313, 0.1208, 0.2777, 0.6}, f[] = {9e3, 9.4e3, 5.1e3, 1.3e3, 0};
+  double impulse = 0;
+  for (int i = 0; i < 4; ++i) impulse += 0.5 * (t[i + 1] - t[i]) * (f[i] + f[i + 1]);
+  EXPECT_NEAR(run.simulation->state().bodies[0].v.x, 1.02 * impulse / 200, 1e-10);
+}
+
+// A pusher of 0.1 m; its follower comes back by a spring, on the guide or 2 m beside it.
+TEST(Pushers, WithAGuideThatPushBesideItLeaveTheirBodiesUnresolved) {
+  const auto list = [](const char* velocity) {
+    const AnalysedRun run(std::string("unlatch: 1\nname: guided\nstep: {dt: 1 ms, until: 4 s}\nbodies: {pod: {mass: 2, "
+                                      "inertia: [1, 1, 1], velocity: ") +
+                          velocity +
+                          "}}\nelements:\n  bolt: {type: pusher, between: [ground, pod], guide: [1, 0, 0], stroke: 10 "
+                          "cm, preload: 40 N}\n"
+                          "  back: {type: force, body: pod, frame: world, direction: [-1, 0, 0], profile: 2 N}\n");
+    std::string notices;
+    for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+      notices += notice.name + " " + notice.subject + " " + notice.text + (notice.unresolved ? " unresolved\n" : "\n");
+    return notices;
+  };
+  EXPECT_EQ(list("[0, 0, 0]"), "");
+  const std::string beside = list("[0, 1, 0]");
+  EXPECT_THAT(beside, HasSubstr("beside bolt it pushes"));
+  EXPECT_THAT(beside, HasSubstr("unresolved"));
+}
+
+// 1 m a step along x: cells of the axis over x are 0.2 m long; the axis over y is at rest.
+std::string list_cell_notices(const char* table, const char* interpolation, const char* dt) {
+  const AnalysedRun run(
+      std::string("unlatch: 1\nname: skipped\nstep: {dt: ") + dt +
+      ", until: 100 ms}\nbodies: {ball: {mass: 2, inertia: [1, 1, 1], velocity: [100, 0, 0]}}\ntables:\n  fine: {" +
+      table + ", interpolation: " + interpolation +
+      "}\nquantities:\n  x: {position: {body: ball, component: x}}\n  y: {position: {body: ball, component: y}}\n"
+      "elements: {push: {type: force, body: ball, frame: world, direction: [0, 0, 1], profile: {expression: 1 N * "
+      "fine}}}\n");
+  std::string notices;
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    notices += notice.name + " " + notice.subject + " " + notice.text + (notice.unresolved ? " unresolved\n" : "\n");
+  return notices;
+}
+
+TEST(LawsOfScenarios, ATableWhoseCellsAreSkippedLeavesItsBodyUnresolvedOnEveryAxis) {
+  const char* first =
+      "axes: {a: {of: x, at: [2, 2.2, 2.4, 2.6, 2.8, 3], unit: m}, b: {of: y, at: [-1, 1], unit: m}}, "
+      "values: [[0, 0], [1, 1], [5, 5], [1, 1], [0, 0], [0, 0]]";
+  const char* second =
+      "axes: {b: {of: y, at: [-1, 1], unit: m}, a: {of: x, at: [2, 2.2, 2.4, 2.6, 2.8, 3], unit: m}}, "
+      "values: [[0, 1, 5, 1, 0, 0], [0, 1, 5, 1, 0, 0]]";
+  for (const char* table : {first, second}) {
+    for (const char* interpolation : {"smooth", "linear"}) {
+      const std::string found = list_cell_notices(table, interpolation, "10 ms");
+      EXPECT_THAT(found, HasSubstr("cell fine a step passes 4 whole cells of its axis a, from "));
+      EXPECT_THAT(found, HasSubstr("unresolved"));
+    }
+    EXPECT_EQ(list_cell_notices(table, "smooth", "1 ms"), "");
+    EXPECT_EQ(list_cell_notices(table, "linear", "5 ms"), "");  // its knots are located
+  }
 }
 
 TEST(LawsOfScenarios, ATableThatIsLeftIsNoticedOrEndsTheRun) {

@@ -292,6 +292,22 @@ bodies:
                   f"{[n['name'] + ' ' + n['subject'] for n in report['notices']]}", file=sys.stderr)
             self.assertLess(abs(energy["largest_unexplained"]), 1e-3 * energy["scale"], file)
 
+    # m x'' = m w^2 x grows as cosh(w t), a velocity as sinh(w t) / w; y moves freely, z is held by the rail.
+    def test_a_start_that_grows_is_reported_with_its_factors(self):
+        text = ("unlatch: 1\nname: ridge\nstep: {dt: 1 ms, until: 2 s}\nbodies:\n  ball: {mass: 2, inertia: [1, 1, 1], position: [0.1, 0, 0]}\n"
+                "joints:\n  rail: {between: [ground, ball], point: [0.1, 0, 0], modes: {plane: {rows: [z, rot_x, rot_y, rot_z]}}}\n"
+                "quantities:\n  x: {position: {body: ball, component: x}}\nelements:\n"
+                "  push: {type: force, body: ball, frame: world, direction: [1, 0, 0], profile: {expression: \"18 N/m * x\"}}\n")
+        report = self.run_json(UNLATCH, "run", self.write(text), "--accuracy", "1e-3")
+        place, velocity = report["accuracy_step"]["growth"]
+        self.assertEqual([(g["start"], g["of"], g["end"]) for g in (place, velocity)], [("ball", "place", "ball"), ("ball", "velocity", "ball")])
+        self.assertAlmostEqual(place["factor"], math.cosh(6), delta=1e-3 * math.cosh(6))  # 202 m for a metre
+        self.assertAlmostEqual(velocity["factor"], math.sinh(6) / 6, delta=1e-3 * math.sinh(6) / 6)
+        shown = self.run_ok(UNLATCH, "run", self.write(text), "--accuracy", "1e-3").stdout
+        self.assertIn("an error of the place of ball at the start moves ball 202 times as far at the end", shown)
+        still = self.run_json(UNLATCH, "run", self.write(text.replace("18 N/m", "-18 N/m")), "--accuracy", "1e-3")
+        self.assertEqual(still["accuracy_step"]["growth"], [])
+
     def test_usage_is_told(self):
         scenario = SCENARIOS / "tree3/reference.yaml"
         self.assertEqual(call(UNLATCH, "run", scenario, "--accuracy", "2").returncode, 2)

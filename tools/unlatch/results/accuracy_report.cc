@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hil/run/run.h"
+#include "hil/run/start_growth.h"
 #include "hil/scenario/text/count.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
@@ -147,6 +148,15 @@ void print_accuracy_notices(std::FILE* to, const RunReport& report) {
   }
 }
 
+void measure_growth(const hil::Scenario& scenario, const hil::Simulation& simulation, hil::AccuracyReport& accuracy) {
+  if (accuracy.interrupted) return;
+  if (auto growth = hil::measure_growth(scenario, simulation.get_tick(), catch_interrupts())) {
+    accuracy.growth = *std::move(growth);
+    accuracy.growth_measured = true;
+  }
+  accuracy.interrupted = catch_interrupts();
+}
+
 void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
   print_heading(to, "Energy, J (seen from the centre of mass)");
   std::fprintf(to, "  motion gained %.6g: springs and modes gave %.6g, impulses %.6g", energy.kinetic, energy.strain,
@@ -182,6 +192,17 @@ void print_reasons(std::FILE* to, const std::vector<hil::AccuracyEntry>& entries
   }
 }
 
+void print_growth(std::FILE* to, const hil::AccuracyReport& accuracy) {
+  if (accuracy.growth.empty()) return;
+  print_heading(to, "Sensitive to the start: no step makes the end more certain than this");
+  for (const hil::StartGrowth& growth : accuracy.growth)
+    std::fprintf(to,
+                 growth.velocity
+                     ? "  an error of the velocity of %s at the start moves %s %.3g times as far as in free motion\n"
+                     : "  an error of the place of %s at the start moves %s %.3g times as far at the end\n",
+                 growth.start.c_str(), growth.end.c_str(), growth.factor);
+}
+
 }  // namespace
 
 void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double dt) {
@@ -197,6 +218,7 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
                  entry.value.unit.c_str());
   }
   print_reasons(to, accuracy.entries);
+  print_growth(to, accuracy);
   if (accuracy.interrupted) {
     std::fprintf(to, "\n  %s\n", paint(to, Colour::kRed, "interrupted: the comparison is not complete").c_str());
     return;
@@ -245,6 +267,14 @@ Json build_step_json(const hil::AccuracyReport& accuracy) {
   Json json = {{"tolerance", accuracy.tolerance},
                {"largest_step", accuracy.step ? Json(*accuracy.step) : Json(nullptr)},
                {"limited_by", accuracy.limit}};
+  if (accuracy.growth_measured) {
+    json["growth"] = Json::array();
+    for (const hil::StartGrowth& growth : accuracy.growth)
+      json["growth"].push_back({{"start", growth.start},
+                                {"of", growth.velocity ? "velocity" : "place"},
+                                {"end", growth.end},
+                                {"factor", growth.factor}});
+  }
   if (!accuracy.mismatch.empty()) json["mismatch"] = accuracy.mismatch;
   if (accuracy.interrupted) json["interrupted"] = true;
   if (accuracy.out_of_budget) json["out_of_budget"] = true;

@@ -218,9 +218,11 @@ int run(const RunOptions& given) {
                    end.timing, {},         std::nullopt};
   report.outputs = &outputs;
   if (chosen) report.accuracy = std::move(chosen);
-  if (compares && end.status == hil::RunStatus::kDone)
+  if (compares && end.status == hil::RunStatus::kDone) {
     report.accuracy = measure_accuracy(options.scenario, scenario, simulation, analysis,
                                        read_tolerance("--accuracy", options.accuracy));
+    measure_growth(scenario, simulation, *report.accuracy);
+  }
   bool unresolved = tell_unresolved(analysis, report.status, report.message);
   if (chooses && !unresolved && report.status == "ok" && !report.accuracy->step) {
     unresolved = true;

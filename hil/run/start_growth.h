@@ -1,0 +1,23 @@
+// How much a small change of the start grows: condition numbers of the places at the end with respect to the places and
+// velocities at the start, by one more run per direction, at the scenario's step and without analyses. On rails that a
+// body leaves late a metre of offset may become 200 m: then no step makes the result more certain than the start.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <vector>
+
+#include "hil/run/analysis/accuracy.h"
+#include "hil/scenario/scenario.h"
+
+namespace unlatch::hil {
+
+inline constexpr double kNotableGrowth = 10;
+inline constexpr std::size_t kMostGrowthBodies = 6;  // each costs six runs
+
+// Factors of at least kNotableGrowth, the largest first; nothing if it was interrupted, or the model has more than
+// kMostGrowthBodies bodies that are no markers. Changes that joints do not allow do not count. `last`: tick of the end.
+std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, std::int64_t last,
+                                                       const std::atomic<bool>& interrupted);
+
+}  // namespace unlatch::hil

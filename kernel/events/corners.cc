@@ -1,0 +1,40 @@
+#include "kernel/events/corners.h"
+
+#include <algorithm>
+
+#include "kernel/math/index.h"
+#include "unlatch/model/law_places.h"
+
+namespace unlatch {
+namespace {
+
+constexpr double kNear = 1e-5;  // part of the step, from either end of a sub-step
+
+}  // namespace
+
+PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
+                         std::span<const double> at_end) noexcept {
+  PassedCorner found;
+  const double margin = kNear * plan.options.dt / (end - begin);
+  double first_part = 1 - margin;
+  for (const PlanCorner& corner : plan.laws.corners) {
+    const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)];
+    if (!(a < b || b < a)) continue;  // at rest, or NaN
+    const double* const knots = &plan.laws.numbers[at(corner.knots)];
+    const double* const low = std::upper_bound(knots, knots + corner.count, std::min(a, b));
+    const double* const high = std::upper_bound(low, knots + corner.count, std::max(a, b));
+    if (high - low > kMostCorners) continue;
+    for (std::ptrdiff_t i = 0; i < high - low; ++i) {
+      const double knot = a < b ? low[i] : high[-1 - i], part = (knot - a) / (b - a);
+      if (part <= margin) continue;
+      if (part < first_part) {
+        first_part = part;
+        found = {corner.place, knot};
+      }
+      break;
+    }
+  }
+  return found;
+}
+
+}  // namespace unlatch

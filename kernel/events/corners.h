@@ -1,0 +1,24 @@
+// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if. Runge and
+// Kutta's method has its order only in sub-steps without them: event_search.cc splits a sub-step at the first.
+//
+// Cost: two bisections of an axis per corner and sub-step; where one is passed, two or three more sub-steps.
+#pragma once
+
+#include <span>
+
+#include "kernel/plan/plan_data.h"
+
+namespace unlatch {
+
+struct PassedCorner {
+  std::int32_t place = kNone;  // in Evaluation::law_places; kNone: no corner is passed
+  double knot = 0;             // that is passed there
+};
+
+// The first corner that is passed in a sub-step from `begin` to `end`, by the chords between what the laws' places have
+// at both ends. Corners very near either end do not count: what they cost in accuracy is rounding. Nor do those of an
+// axis of which more than kMostCorners knots are passed: a table that is finer than the step.
+PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
+                         std::span<const double> at_end) noexcept;
+
+}  // namespace unlatch

@@ -1,0 +1,27 @@
+// Where the laws of a model look tables up, while it moves.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "unlatch/model.h"
+#include "unlatch/workspace.h"
+
+namespace unlatch {
+
+// One look-up of a table by a law.
+struct TableLookup {
+  int law = 0, table = 0;  // indices of the model
+  int place = 0;           // of its first coordinate in get_law_places(); those of the other axes follow
+};
+// Of all laws of a valid model, in their order.
+std::vector<TableLookup> list_table_lookups(const Model& model);
+
+// Where the laws looked tables up at the end of the latest step.
+std::span<const double> get_law_places(const Workspace& workspace) noexcept;
+
+// Knots of one axis that a sub-step may pass: at each, linear tables split it, so that no corner lies inside. Of finer
+// tables, and beyond this, it passes the cells.
+inline constexpr int kMostCorners = 4;
+
+}  // namespace unlatch
