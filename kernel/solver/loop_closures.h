@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernel/plan/loop_storage.h"
 #include "kernel/solver/columns.h"
 #include "kernel/solver/loop_rows.h"
+#include "kernel/tree/loop_storage.h"
 
 namespace unlatch::UNLATCH_ISA {
 

@@ -1,7 +1,7 @@
 #include "kernel/solver/loop_rows.h"
 
 #include "kernel/joints/kinematics.h"
-#include "kernel/plan/loop_storage.h"
+#include "kernel/tree/loop_storage.h"
 
 namespace unlatch {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernel/plan/loop_storage.h"
+#include "kernel/tree/loop_storage.h"
 
 namespace unlatch {
 namespace {
