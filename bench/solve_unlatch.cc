@@ -3,7 +3,7 @@
 #include "bench/solve_solver.h"
 #include "kernel/dispatch/kernels.h"
 #include "kernel/integration/integrator.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 #include "tests/support/solve_comparison.h"
 
 namespace unlatch::bench {

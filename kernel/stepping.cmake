@@ -17,5 +17,5 @@ set(UNLATCH_STEPPING_SOURCES
   plan/evaluation.cc plan/plan_image.cc plan/state.cc
   quantities/table.cc
   simd/instruction_set.cc
-  solver/flexible_solver.cc solver/loop_rows.cc solver/redundant_rows.cc
+  solver/flexible_solver.cc solver/loops/loop_rows.cc solver/loops/redundant_rows.cc
   step/bundle.cc step/motion.cc step/step.cc)

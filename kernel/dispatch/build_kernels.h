@@ -6,8 +6,8 @@
 #include "kernel/dynamics/runge_kutta.h"
 #include "kernel/joints/tree_joints.h"
 #include "kernel/simd/arctangent_packs.h"
+#include "kernel/solver/loops/split_clusters.h"
 #include "kernel/solver/solve.h"
-#include "kernel/solver/split_clusters.h"
 
 namespace unlatch::UNLATCH_ISA {
 

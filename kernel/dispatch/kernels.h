@@ -21,7 +21,7 @@ struct Kernels {
   // solver/solve.h
   int (*factor_and_solve)(const PlanData&, const State&, Evaluation&, const Sweep&, std::int32_t most_rows);
   void (*solve)(const PlanData&, Evaluation&, const Sweep&);
-  // solver/split_clusters.h
+  // solver/loops/split_clusters.h
   void (*split_cluster_rows)(const PlanData&, const State&, Evaluation&);
   // dynamics/runge_kutta.h
   void (*begin_substep)(const PlanData&, Evaluation&);

@@ -11,8 +11,8 @@
 #include "kernel/joints/coordinates.h"
 #include "kernel/joints/residuals.h"
 #include "kernel/laws/laws.h"
-#include "kernel/solver/loop_rows.h"
-#include "kernel/solver/redundant_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
+#include "kernel/solver/loops/redundant_rows.h"
 
 namespace unlatch {
 namespace {

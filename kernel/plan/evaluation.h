@@ -116,7 +116,7 @@ struct ClosedPair {
   double depth, rate;  // m; its rate, m/s
 };
 
-// Scratch of kernel/solver/redundant_rows.cc. k: rows of loops, t: of the tree's joints in loops.
+// Scratch of kernel/solver/loops/redundant_rows.cc. k: rows of loops, t: of the tree's joints in loops.
 struct SplitScratch {
   std::span<double> relation;            // k rows of k + t numbers
   std::span<double> matrix;              // square, of the smaller number of unknowns

@@ -9,7 +9,8 @@
 
 namespace unlatch {
 
-// A node that the wrenches of loops pass on their way to the root, see loop_nodes.h and kernel/solver/loop_columns.h.
+// A node that the wrenches of loops pass on their way to the root, see loop_nodes.h and
+// kernel/solver/loops/loop_columns.h.
 struct LoopNode {
   std::int32_t node, group;
   Place place;                   // of its body
@@ -44,8 +45,8 @@ struct LoopMesh {
   std::int32_t first, count;  // into PlanData::mesh_joints
 };
 
-// Loops that are eliminated where they close, see kernel/tree/loop_clusters.h and kernel/solver/loop_clusters.h. In
-// order of elimination. A block has the rows of one loop and, in kEight lanes each, those of another.
+// Loops that are eliminated where they close, see kernel/tree/loop_clusters.h and kernel/solver/loops/loop_clusters.h.
+// In order of elimination. A block has the rows of one loop and, in kEight lanes each, those of another.
 struct LoopClosure {
   std::int32_t loop;                  // into PlanData::loops
   std::int32_t joint, non_tree;       // that closes it; its place in PlanData::non_tree_joints

@@ -28,7 +28,7 @@ struct PlanJoint {
   std::int32_t child = kNone;     // of a joint of the tree: the body that it holds to its parent
   std::int32_t group = kNone;     // likewise: its group
   std::int32_t non_tree = kNone;  // of any other joint: its place in PlanData::non_tree_joints
-  // Square roots of the stiffnesses that redundant reactions are shared by, see kernel/solver/redundant_rows.h.
+  // Square roots of the stiffnesses that redundant reactions are shared by, see kernel/solver/loops/redundant_rows.h.
   double share = 1, turning_share = 1;  // of a point–plane row; of a rotation row, m
 };
 

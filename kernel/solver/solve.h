@@ -2,8 +2,8 @@
 // close loops on top of it (loop_rows.h, loop_columns.h). Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/solver/loop_clusters.h"
-#include "kernel/solver/loop_columns.h"
+#include "kernel/solver/loops/loop_clusters.h"
+#include "kernel/solver/loops/loop_columns.h"
 #include "kernel/solver/tree_sweeps.h"
 
 namespace unlatch::UNLATCH_ISA {

@@ -8,7 +8,7 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 
 namespace unlatch {
 namespace {

@@ -3,7 +3,7 @@
 #include <bit>
 
 #include "kernel/joints/kinematics.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 
 namespace unlatch {
 

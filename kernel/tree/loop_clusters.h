@@ -1,4 +1,5 @@
-// Order of elimination of loops: each where its two ways towards the root meet, see kernel/solver/loop_clusters.h.
+// Order of elimination of loops: each where its two ways towards the root meet, see
+// kernel/solver/loops/loop_clusters.h.
 #pragma once
 
 #include "kernel/tree/groups.h"

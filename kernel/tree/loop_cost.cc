@@ -22,7 +22,7 @@ std::int64_t count_rows(const PlanData& plan, std::int32_t joint) {
   return most;
 }
 
-// Each where it closes. In the terms of kernel/solver/loop_clusters.h.
+// Each where it closes. In the terms of kernel/solver/loops/loop_clusters.h.
 std::int64_t count_local(const PlanData& plan) {
   constexpr std::int64_t kSix = 6, kMove = 6;
   std::int64_t count = 0;
@@ -47,7 +47,7 @@ std::int64_t count_local(const PlanData& plan) {
   return count;
 }
 
-// One dense matrix. In the terms of kernel/solver/loop_rows.h; then the tree once more.
+// One dense matrix. In the terms of kernel/solver/loops/loop_rows.h; then the tree once more.
 std::int64_t count_dense(const PlanData& plan) {
   const std::int64_t k = plan.loop_rows, nodes = static_cast<std::int64_t>(plan.loop_nodes.size());
   return k == 0 ? 0 : k * nodes * 18 + k * (k + 1) / 2 * nodes + k * k * k / 6 + kOfTreeBody * nodes / 2;

@@ -1,5 +1,5 @@
 // Rings: which joints of the tree each loop leads through, which loops share joints and so make a mesh, and by which
-// stiffnesses redundant reactions are shared (kernel/solver/redundant_rows.h).
+// stiffnesses redundant reactions are shared (kernel/solver/loops/redundant_rows.h).
 #pragma once
 
 #include <span>

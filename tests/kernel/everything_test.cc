@@ -16,7 +16,7 @@
 #include "kernel/dynamics/varying.h"
 #include "kernel/elements/compliance.h"
 #include "kernel/elements/kinds/load.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
 #include "tests/support/random_model.h"

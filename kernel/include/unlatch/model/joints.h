@@ -48,8 +48,8 @@ struct Joint {
   std::vector<JointMode> modes;  // at least one
   int mode = 0;                  // initial mode
   // Stiffness of its point–plane rows beside those of other joints, > 0, for the split of redundant reactions alone
-  // (kernel/solver/redundant_rows.h). A rotation row shares as a point–plane row does at `share_length`, m, > 0; by
-  // default a tenth of the distance of the joints of its loops from their middle, root mean square, at the start.
+  // (kernel/solver/loops/redundant_rows.h). A rotation row shares as a point–plane row does at `share_length`, m, > 0;
+  // by default a tenth of the distance of the joints of its loops from their middle, root mean square, at the start.
   double share = 1;
   std::optional<double> share_length{};  // see share
 };

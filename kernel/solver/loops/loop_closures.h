@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernel/solver/columns.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/columns.h"
+#include "kernel/solver/loops/loop_rows.h"
 #include "kernel/tree/loop_storage.h"
 
 namespace unlatch::UNLATCH_ISA {

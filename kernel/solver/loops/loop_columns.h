@@ -6,10 +6,10 @@
 #pragma once
 
 #include "kernel/dynamics/flexible.h"
-#include "kernel/solver/columns.h"
 #include "kernel/solver/flexible_solver.h"
-#include "kernel/solver/loop_rows.h"
-#include "kernel/solver/solved_node.h"
+#include "kernel/solver/loops/columns.h"
+#include "kernel/solver/loops/loop_rows.h"
+#include "kernel/solver/loops/solved_node.h"
 
 namespace unlatch::UNLATCH_ISA {
 

@@ -7,7 +7,7 @@
 
 #include "kernel/plan/evaluation.h"
 #include "kernel/plan/lanes.h"
-#include "kernel/solver/columns.h"
+#include "kernel/solver/loops/columns.h"
 #include "kernel/solver/node.h"
 
 namespace unlatch::UNLATCH_ISA {

@@ -12,7 +12,7 @@
 #include <cmath>
 
 #include "kernel/joints/kinematics.h"
-#include "kernel/solver/loop_closures.h"
+#include "kernel/solver/loops/loop_closures.h"
 
 namespace unlatch::UNLATCH_ISA {
 

@@ -13,8 +13,8 @@
 // of Sathya and Carpentier, IEEE T-RO 2024.) Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/solver/loop_closures.h"
-#include "kernel/solver/solved_node.h"
+#include "kernel/solver/loops/loop_closures.h"
+#include "kernel/solver/loops/solved_node.h"
 
 namespace unlatch::UNLATCH_ISA {
 

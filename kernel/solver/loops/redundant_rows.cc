@@ -1,11 +1,11 @@
-#include "kernel/solver/redundant_rows.h"
+#include "kernel/solver/loops/redundant_rows.h"
 
 #include <bit>
 
 #include "kernel/dynamics/flexible.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/solver/dense_ldl.h"
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 
 namespace unlatch {
 namespace {

@@ -1,4 +1,4 @@
-#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
 
 #include "kernel/joints/kinematics.h"
 #include "kernel/tree/loop_storage.h"
