@@ -367,8 +367,8 @@ TEST(LoopGraphs, RowsThatFollowFromTheOthersOnlyNearlyAreCounted) {
   };
   const std::int32_t redundant = list(0).redundant;
   EXPECT_EQ(list(0).nearly, 0);
-  EXPECT_EQ(list(5e-7).redundant, redundant);
-  EXPECT_EQ(list(5e-7).nearly, 1);
+  EXPECT_EQ(list(3e-7).redundant, redundant);
+  EXPECT_EQ(list(3e-7).nearly, 1);
   EXPECT_EQ(list(1e-4).redundant, redundant - 1);
   EXPECT_EQ(list(1e-4).nearly, 0);
 }

@@ -16,7 +16,7 @@ struct RedundantRows {
   std::vector<std::int32_t> joints;  // of the model, in its order
   std::int32_t rows = 0;             // that hold in them
   std::int32_t redundant = 0;        // of these, > 0
-  // Of these, rows that follow from the others only nearly: of axes that should be parallel and are some 5e-7 rad off,
+  // Of these, rows that follow from the others only nearly: of axes that should be parallel and are some 3e-7 rad off,
   // or of loops that hold structures 3e11 times as heavy as their own bodies. The joints do not hold them.
   std::int32_t nearly = 0;
 

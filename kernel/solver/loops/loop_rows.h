@@ -23,7 +23,7 @@ inline constexpr std::int32_t kAllRows = std::numeric_limits<std::int32_t>::max(
 // --- Which rows are independent
 // A pivot is what the other rows leave of a row's diagonal entry of Λ.
 // This small beside the entry: the row follows from those before it, as exactly as geometry is usually given: axes that
-// should be parallel and are given with six digits, 5e-7 rad off, leave so much.
+// should be parallel and are given with six digits, 3e-7 rad off, leave so much.
 inline constexpr double kRedundant = 3e-12;
 // This small beside the entries that it is the difference of: rounding, of which redundant rows leave 4 units at most
 // (rings of 250 units), and independent ones 20,000 at least (masts of 10,000).
