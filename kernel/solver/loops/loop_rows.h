@@ -73,7 +73,7 @@ inline LoopRows choose_loop_rows(const Sweep& sweep, std::int32_t most) {
   return sweep.multipliers ? LoopRows::kLimited : LoopRows::kKept;
 }
 
-// The rows of a factorisation; needs the joints' frames.
+// The rows of a factorisation, at ev.non_tree_frames.
 void begin_clusters(const PlanData& plan, const State& state, LoopRows rows, Evaluation& ev) noexcept;
 // Keeps what the sub-step that begins at this evaluation needs of it.
 void keep_cluster_rows(Evaluation& ev) noexcept;
@@ -85,7 +85,7 @@ void begin_cluster_targets(const PlanData& plan, Evaluation& ev, bool biased) no
 
 // --- One dense matrix of all loops
 
-// The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
+// The rows that hold in the present modes, with their unit wrenches, at ev.non_tree_frames.
 void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 // Takes every row for independent so far, and keeps its diagonal entry of Λ.

@@ -17,17 +17,17 @@
 //
 // k of a rotation row is that of a point–plane row times a length squared, Joint::share_length.
 //
-// Near a change of rank a row counts as redundant while its pivot is below 1e-10 of its own entry of Λ: the gap to
-// exact balance is then at most 1e-5 of what the row carries. At the instant itself the split jumps, as the reactions
-// of such a mechanism do.
+// Near a change of rank a row counts as redundant while its pivot is below kRedundant of its own entry of Λ
+// (loop_rows.h): the gap to exact balance is then at most the root of that, 2e-6 of what the row carries. At the
+// instant itself the split jumps, as the reactions of such a mechanism do.
 #pragma once
 
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-// Corrects ev.multipliers after a solution for the forces, of loops in one dense matrix; needs the joints' frames and
-// the factor of Λ. Accelerations stay as they are. Loops that are eliminated where they close: split_clusters.h.
+// Corrects ev.multipliers, which are a solution for the forces, of loops in one dense matrix, whose factor
+// ev.loop_matrix is. Accelerations stay as they are. Loops that are eliminated where they close: split_clusters.h.
 void split_dense_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 }  // namespace unlatch
