@@ -120,7 +120,7 @@ class LoopClosures {
       const int p = c.order[c.rank];
       const double inverse = 1 / D.row(p)[p];
       c.inverse[c.rank] = inverse;
-      for (int k = c.rank + 1; k < c.count; ++k) eliminate(plan, c, D, p, c.order[k], D.row(c.order[k])[p] * inverse);
+      for (int k = c.rank + 1; k < c.count; ++k) eliminate(plan, c, D, p, c.order[k], D.row(p)[c.order[k]] * inverse);
     }
     update_links(plan, c);
   }
