@@ -73,7 +73,7 @@ TEST(CampaignFiles, EveryShippedOneLoads) {
     ++count;
     EXPECT_NO_THROW(hil::load_campaign(entry.path().string())) << entry.path();
   }
-  EXPECT_EQ(count, 9);
+  EXPECT_EQ(count, 10);
 }
 
 TEST_F(CampaignFileTest, ASampleDependsOnFileSeedAndNumberAlone) {

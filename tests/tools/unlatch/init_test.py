@@ -14,8 +14,9 @@ KINDS = sorted(path.stem for path in (SOURCE / "tools/unlatch/files/starters").g
 HAPPENS = {"separation": ["release"], "boosters": ["release", "contact", "liftoff"], "array": ["latch"],
            "capsule": ["release", "ignition"], "fairing": ["release"], "antenna": ["release", "taut", "latch", "slack"],
            "deployer": ["open", "touch", "lift", "release", "stroke_end", "exit"], "interstage": ["break", "stroke_end"],
-           "launcher": ["burnout", "ignition"], "mast": ["taut", "slack", "lock"], "orbit": ["release", "stroke_end"], "slosh": [], "yoyo": ["free", "unwound", "release"]}
-COUNTS = {"boosters": 12, "array": 2, "fairing": 2, "capsule": 2, "separation": 1, "antenna": 24, "deployer": 6, "interstage": 8, "launcher": 2, "mast": 3, "orbit": 2, "slosh": 0, "yoyo": 5}  # names and subjects
+           "launcher": ["burnout", "ignition"], "mast": ["taut", "slack", "lock"], "orbit": ["release", "stroke_end"],
+           "sensors": ["release", "opens", "broken", "stroke_end"], "slosh": [], "yoyo": ["free", "unwound", "release"]}
+COUNTS = {"boosters": 12, "array": 2, "fairing": 2, "capsule": 2, "separation": 1, "antenna": 24, "deployer": 6, "interstage": 8, "launcher": 2, "mast": 3, "orbit": 2, "sensors": 4, "slosh": 0, "yoyo": 5}  # names and subjects
 SYSTEMS = {path.parent.name for path in (SOURCE / "hil/scenarios").glob("*/*.yaml")} - {"tree3", "tree20", "checkcases"}  # those are for tests
 
 
