@@ -7,10 +7,11 @@ set -euo pipefail
 
 # Below: inside the copy, in /packages.
 inside() {
-  local source=$1 scenarios=/usr/share/unlatch/scenarios wanted
+  local source=$1 build=$2 scenarios=/usr/share/unlatch/scenarios wanted
   wanted=$(cat wanted-hash)
   fail() { echo "package_test.sh: $*" >&2; exit 1; }
   list_ours() { find /usr /etc /lib /bin /sbin /opt /var/lib /var/cache -iname '*unlatch*' 2>/dev/null | sort; }
+  list_packages() { for file in /packages/*.deb; do dpkg-deb -f "$file" Package; done; }
   [ ! -e "$source/CMakeLists.txt" ] || fail "the copy sees the repository"
   ! command -v unlatch || fail "unlatch is here before it is installed"
   list_ours >before
@@ -19,10 +20,15 @@ inside() {
   [ "$(command -v unlatch)" = /usr/bin/unlatch ] || fail "unlatch is not in the path"
   [ "$(unlatch --version)" = "unlatch $(cat wanted-version)" ] || fail "unlatch --version says $(unlatch --version)"
 
+  [ -s /usr/share/doc/unlatch-scenarios/html/index.html ] || fail "the pages for a browser are missing"
+  # shellcheck disable=SC2046
+  dpkg -L $(list_packages) | sort -u | while IFS= read -r file; do if [ -f "$file" ]; then echo "$file"; fi; done >files
+  ! xargs -d '\n' grep -lF -e "$source/" -e "$build/" <files || fail "these files name the repository's folder"
+
   echo "== the tour of README.md"
   mkdir /tmp/tour /tmp/own && cd /tmp/tour
   bash -euxo pipefail /packages/tour.sh
-  [ -s first.html ] && [ -s first.csv ] || fail "the tour left no report or no table"
+  for made in first.html first.csv; do [ -s $made ] || fail "the tour left no $made"; done
 
   echo "== a scenario of the package: the bits of the build folder, then a replay"
   cd /tmp/own
@@ -93,7 +99,7 @@ END
 
   echo "== removal"
   # shellcheck disable=SC2046
-  dpkg --purge $(for file in /packages/*.deb; do dpkg-deb -f "$file" Package; done)
+  dpkg --purge $(list_packages)
   ! [ -e /usr/bin/unlatch ] || fail "unlatch is still here"
   ! /usr/bin/python3 own.py /usr/lib/python3 2>/dev/null || fail "the Python package is still here"
   list_ours >/packages/after
@@ -118,12 +124,12 @@ END
 
 if [ "${1:-}" = inside ]; then
   cd /packages
-  inside "$2"
+  inside "$2" "$3"
   exit
 fi
 
 build=$1 source=$(cd "$2" && pwd) scratch=$3
-for program in lintian dpkg-deb dpkg-shlibdeps strip pkg-config git python3; do
+for program in lintian doxygen mkdocs dpkg-deb dpkg-shlibdeps strip pkg-config git python3; do
   command -v "$program" >/dev/null || { echo "package_test.sh: $program is missing (tools/setup long); not run" >&2; exit 77; }
 done
 # As root: dpkg writes files of root.
@@ -135,7 +141,8 @@ if [ "$(id -u)" -ne 0 ] || ! unshare -m sh -c "$layer" "$scratch/layer"; then
   exit 77
 fi
 
-export UNLATCH_BUILD=$build
+"$source/tools/docs" "$scratch/site" >/dev/null
+export UNLATCH_BUILD=$build UNLATCH_SITE=$scratch/site
 "$source/tools/package" "$scratch/packages"
 "$source/tools/package" "$scratch/again" >/dev/null
 for file in "$scratch"/packages/*; do
@@ -174,5 +181,5 @@ enter="$layer
   mount --rbind /dev \$root/dev
   mount -t tmpfs none \$root/tmp
   for hidden in \"\$2\" \"\$3\"; do if [ -d \"\$root\$hidden\" ]; then mount -t tmpfs none \"\$root\$hidden\"; fi; done
-  exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/tmp DEBIAN_FRONTEND=noninteractive chroot \$root bash /packages/package_test.sh inside \"\$2\""
+  exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/tmp DEBIAN_FRONTEND=noninteractive chroot \$root bash /packages/package_test.sh inside \"\$2\" \"\$3\""
 unshare -m sh -c "$enter" "$scratch/layer" "$scratch/packages" "$source" "$build"
