@@ -1,5 +1,6 @@
 // Errors of sensors, in the units of data sheets: deg/h, deg/√h, µg/√Hz.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -27,6 +28,13 @@ bool is_word(char c) {
          c == '\xbc';
 }
 
+// A number, a unit or a bracket before a unit: "15 µg" is a product, "15*µg" has its star already.
+bool ends_with_factor(const std::string& text) {
+  const std::size_t last = text.find_last_not_of(' ');
+  return last != std::string::npos &&
+         (std::isalnum(static_cast<unsigned char>(text[last])) != 0 || text[last] == '.' || text[last] == ')');
+}
+
 std::string replace_sheet_units(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
@@ -38,7 +46,12 @@ std::string replace_sheet_units(const std::string& text) {
     while (end < text.size() && (is_word(text[end]) || (end > i && text[end] >= '0' && text[end] <= '9'))) ++end;
     const std::string word = text.substr(i, end - i);
     const auto* const unit = std::ranges::find(kSheetUnits, word, &SheetUnit::name);
-    out += unit == std::end(kSheetUnits) ? word : unit->stands_for;
+    if (unit == std::end(kSheetUnits)) {
+      out += word;
+    } else {
+      if (ends_with_factor(out)) out += '*';
+      out += unit->stands_for;
+    }
     i = end;
   }
   return out;

@@ -228,6 +228,21 @@ TEST(SensorErrors, UnitsOfDataSheetsAreRead) {
   EXPECT_DOUBLE_EQ(load("noise_density: 0.01 deg/s/√Hz").rates.errors.sensors[0].noise_density, 0.01 * kDegree);
 }
 
+TEST(SensorErrors, ThousandthsOfGravityAreRead) {
+  constexpr double kGravity = 9.80665;
+  std::string text = kGoodScenario;
+  const std::string sensor = "  gyro: {type: rate, body: core}\n";
+  text.insert(text.find(sensor),
+              "  accelerometer: {type: specific_force, body: core, errors: {noise_density: 50 µg/√Hz, bias: 15 µg, "
+              "noise: 1.5 mg, quantum: 2*μg, drift: 3ug}}\n");
+  const hil::SensorErrors own = hil::load_scenario_text(text, "test.yaml").rates.errors.sensors.at(0);
+  EXPECT_DOUBLE_EQ(own.noise_density, 50e-6 * kGravity);
+  EXPECT_DOUBLE_EQ(own.bias.at(0), 15e-6 * kGravity);
+  EXPECT_DOUBLE_EQ(own.noise, 1.5e-3 * kGravity);
+  EXPECT_DOUBLE_EQ(own.quantum, 2e-6 * kGravity);
+  EXPECT_DOUBLE_EQ(own.drift, 3e-6 * kGravity);
+}
+
 TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {
   for (const char* const wrong : {"noise: 5 µg", "noise_density: 0.05 deg/h", "noise_density: 0.05 deg/√h/√h",
                                   "noise: -1", "dropout: 1.5", "delay: 0.5", "bias: [1, 2]", "walk: 1 deg/√h"})
