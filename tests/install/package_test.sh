@@ -38,6 +38,15 @@ inside() {
   [ "$(python3 /packages/read_hash.py run.json)" = "$wanted" ] || fail "the installed program has other bits than that of the build folder"
   unlatch export $scenarios/boosters/reference.yaml --fmu boosters.fmu
   [ -s boosters.fmu ] || fail "no FMU was written"
+  # The modules that a program or the library loads when it needs them: meshes, import, transports.
+  unlatch check $scenarios/interstage/duct.yaml >/dev/null
+  printf '%s' '<robot name="pair"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>' >pair.urdf
+  unlatch import pair.urdf --out pair.yaml
+  unlatch check pair.yaml
+  unlatch hil $scenarios/boosters/scenario.yaml --transport udp --udp 127.0.0.1:17671 --pace lockstep --until 0.2 --set flight_software.timeout=30 >/dev/null &
+  unlatch-fsw --transport udp --udp 127.0.0.1:17671 >/dev/null
+  wait $!
+
   man --where unlatch-hil >/dev/null 2>&1 || [ -s /usr/share/man/man1/unlatch-hil.1.gz ] || fail "no manual page"
 
   echo "== Python"
@@ -45,6 +54,8 @@ inside() {
 import sys
 import unlatch
 assert unlatch.__file__.startswith(sys.argv[1]), unlatch.__file__
+with unlatch.load("/usr/share/unlatch/scenarios/interstage/duct.yaml") as sim:  # has a mesh
+    sim.step()
 with unlatch.load("/usr/share/unlatch/scenarios/boosters/reference.yaml") as sim:
     sim.run(until=0.1)
     print(sim.hash)
@@ -129,7 +140,7 @@ if [ "${1:-}" = inside ]; then
 fi
 
 build=$1 source=$(cd "$2" && pwd) scratch=$3
-for program in lintian doxygen mkdocs dpkg-deb dpkg-shlibdeps strip pkg-config git python3; do
+for program in lintian ip doxygen mkdocs dpkg-deb dpkg-shlibdeps strip pkg-config git python3; do
   command -v "$program" >/dev/null || { echo "package_test.sh: $program is missing (tools/setup long); not run" >&2; exit 77; }
 done
 # As root: dpkg writes files of root.
@@ -174,6 +185,7 @@ cp "$source/tests/install/CMakeLists.txt" "$source/tests/install/consumer.cc" co
 cp "$source/tests/install/package_test.sh" .
 
 enter="$layer
+  ip link set lo up
   root=\$0/root
   mkdir \$root/packages
   cp -r \"\$1\"/. \$root/packages
@@ -182,4 +194,4 @@ enter="$layer
   mount -t tmpfs none \$root/tmp
   for hidden in \"\$2\" \"\$3\"; do if [ -d \"\$root\$hidden\" ]; then mount -t tmpfs none \"\$root\$hidden\"; fi; done
   exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/tmp DEBIAN_FRONTEND=noninteractive chroot \$root bash /packages/package_test.sh inside \"\$2\" \"\$3\""
-unshare -m sh -c "$enter" "$scratch/layer" "$scratch/packages" "$source" "$build"
+unshare -mn sh -c "$enter" "$scratch/layer" "$scratch/packages" "$source" "$build"
