@@ -1,7 +1,7 @@
 // Acceleration solves. solve/<who>/<shape>/<n>: one solve of n bodies by unlatch and by other programs;
-// plan/<shape>/<n>: compiling the plan. bench/README.md lists the contents of each call. Before a solver is timed its
-// answer is compared with unlatch's, and the program ends at once if they differ: a comparison of different physics is
-// worthless.
+// step/<shape>/<n> and step_avx2/…: whole steps of structures with many loops; plan/<shape>/<n>: compiling the plan.
+// bench/README.md lists the contents of each call. Before a solver is timed its answer is compared with unlatch's, and
+// the program ends at once if they differ: a comparison of different physics is worthless.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -12,9 +12,11 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "bench/least.h"
 #include "bench/solve_solver.h"
+#include "tests/support/simulation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch::bench {
@@ -135,6 +137,20 @@ void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
   bench.SetComplexityN(n);
 }
 
+// Whole steps, from the beginning again after each hundred, so that all are of one part of the motion.
+void run_step(benchmark::State& bench, InstructionSet set, Shape shape) {
+  constexpr int kSteps = 100;
+  test::Simulation simulation(build_solve_model(shape, static_cast<int>(bench.range(0))), {.instruction_set = set});
+  int steps = 0;
+  for (auto _ : bench) {
+    if (++steps % kSteps == 0) init_state(simulation.plan, simulation.state);
+    const StepReport report = simulation.advance();
+    if (report.status != StepStatus::kOk) return bench.SkipWithError("a step failed");
+    benchmark::ClobberMemory();
+  }
+  bench.SetComplexityN(bench.range(0));
+}
+
 void run_plan(benchmark::State& bench, Shape shape) {
   const Model model = build_solve_model(shape, static_cast<int>(bench.range(0)));
   for (auto _ : bench) benchmark::DoNotOptimize(compile_plan(model, {}));
@@ -162,6 +178,24 @@ void register_solves() {
     }
 }
 
+void register_steps() {
+  for (const auto& [prefix, set] :
+       {std::pair("step/", InstructionSet::kAuto), std::pair("step_avx2/", InstructionSet::k256)})
+    for (const Shape shape : kShapes) {
+      if (!has_many_loops(shape) || !is_supported(set)) continue;
+      auto* steps =
+          benchmark::RegisterBenchmark((prefix + std::string(get_name(shape))).c_str(),
+                                       [set = set, shape](benchmark::State& bench) { run_step(bench, set, shape); });
+      for (const int n : kFitted)
+        if (n >= std::max(get_smallest(shape), 16)) steps->Arg(n);
+      if (shape == Shape::kTruss)
+        steps->Arg(kTrusses[0]);
+      else
+        steps->Complexity(benchmark::oN);
+      steps->Apply(keep_least);
+    }
+}
+
 void register_plans() {
   for (const Shape shape : kShapes) {
     const auto run = [shape](benchmark::State& bench) { run_plan(bench, shape); };
@@ -181,6 +215,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   unlatch::bench::register_solves();
+  unlatch::bench::register_steps();
   unlatch::bench::register_plans();
   try {
     benchmark::RunSpecifiedBenchmarks();

@@ -41,28 +41,12 @@ class Unlatch : public Solver {
 
 class UnlatchFactorSolve final : public Unlatch {
  public:
-  UnlatchFactorSolve(const Model& model, InstructionSet set) : Unlatch(model, set) {
-    const Inputs inputs{simulation_.commands};
-    const Evaluation& ev = simulation_.evaluation();
-    update_forces({simulation_.data(), inputs, simulation_.state, simulation_.get_time()}, simulation_.evaluation());
-    for (const Place& place : ev.places) forces_.push_back(read(ev.blocks.data(), place, &SharedBlock<double>::force));
-  }
+  using Unlatch::Unlatch;
 
   void solve() override {
     const PlanData& plan = simulation_.data();
-    if (!plan.loops.empty()) restore_forces();
     check(get_kernels(plan).factor_and_solve(plan, simulation_.state, simulation_.evaluation(), {}, kAllRows));
   }
-
- private:
-  // Restores the forces: a solve leaves the loops' reactions among them.
-  void restore_forces() {
-    const Evaluation& ev = simulation_.evaluation();
-    for (std::size_t b = 0; b < forces_.size(); ++b)
-      write(ev.blocks.data(), ev.places[b], &SharedBlock<double>::force, forces_[b]);
-  }
-
-  std::vector<Spatial> forces_;
 };
 
 }  // namespace
