@@ -213,7 +213,7 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
 
 // --- Corners of laws -------------------------------------------------------------------------------------------------
 
-// The time of the first corner that is passed up to `end`, of which the evaluation is; `end` if there is none, or
+// The time of the first corner that the chords up to `end` show, of which the evaluation is; `end` if there is none, or
 // kFailed. The evaluation is of that time, guards_high too.
 [[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end) {
   EventSearch& s = run.search();
@@ -245,6 +245,18 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return reached;
 }
 
+// The same for all corners up to `end`: the part up to one is searched again, since the chords of the whole may not
+// show a corner before it, of a law that comes back to where it was. Each pass ends at an earlier corner or at the
+// last.
+[[gnu::noinline]] double find_first_corner_time(Run& run, const SubstepStart& start, double end) {
+  for (int i = 0; i < kMostCornerSplits; ++i) {
+    const double reached = find_corner_time(run, start, end);
+    if (reached == kFailed || reached >= end) return reached;
+    end = reached;
+  }
+  return end;
+}
+
 // Tolerances of guards: an event whose guard is this little below zero acts together with the first.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search();
@@ -271,7 +283,7 @@ Reached advance_to_event(Run& run, double now, double target, bool may_split) no
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
-  if (end == target && may_split && !run.plan.laws.corners.empty()) end = find_corner_time(run, start, end);
+  if (end == target && may_split && !run.plan.laws.corners.empty()) end = find_first_corner_time(run, start, end);
   if (end == kFailed) return {kFailed, false};
   const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) return stop_at_first(run, start, end);

@@ -402,6 +402,20 @@ TEST(Laws, OfTimeAreExactBetweenTheirKnotsWhereverTheseLie) {
   EXPECT_LE(substeps, 100 + 2 * 3);  // of the two knots that lie within steps
 }
 
+// A triangle of 6 ms inside of a step: the chord over the whole step shows its top alone.
+TEST(Laws, ThatComeBackWithinAStepAreSplitAtAllTheirCorners) {
+  constexpr double kTop = 0.5037, kHalf = 0.003, kForce = 20, kMass = 2;
+  Model model = build_pushed({constant(0), constant(kForce), constant(1), quantity(1), constant(-kTop),
+                              step_of(Kind::kAdd), step_of(Kind::kAbs), constant(-1 / kHalf), step_of(Kind::kMultiply),
+                              step_of(Kind::kAdd), step_of(Kind::kMultiply), step_of(Kind::kMax)});
+  Quantity time;
+  time.name = "time";
+  model.quantities.push_back(time);
+  Simulation s(model, {.dt = 0.01});
+  for (int i = 0; i < 60; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+  EXPECT_NEAR(s.state.bodies[0].v.x, kForce * kHalf / kMass, 1e-12);
+}
+
 TEST(Laws, OfATableThatIsFinerThanTheStepSplitNothing) {
   std::vector<double> knots;
   for (int i = 0; i <= 1000; ++i) knots.push_back(0.001 * i);
