@@ -245,9 +245,8 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return reached;
 }
 
-// The same for all corners up to `end`: the part up to one is searched again, since the chords of the whole may not
-// show a corner before it, of a law that comes back to where it was. Each pass ends at an earlier corner or at the
-// last.
+// The time of the first corner up to `end`, likewise. The chords of a whole sub-step do not show a corner from which a
+// law comes back within it, so the part up to a corner that was found is searched again until it has none.
 [[gnu::noinline]] double find_first_corner_time(Run& run, const SubstepStart& start, double end) {
   for (int i = 0; i < kMostCornerSplits; ++i) {
     const double reached = find_corner_time(run, start, end);

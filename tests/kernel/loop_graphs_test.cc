@@ -354,6 +354,19 @@ TEST(LoopGraphs, AMastOfTenThousandUnitsMovesAsOne) {
   }
 }
 
+// Rounding grows with the ring: the last loop leads around all of it.
+TEST(LoopGraphs, RingsKeepTheirRankAsTheyGrow) {
+  for (const int cells : {18, 60, 160, 400}) {
+    Simulation s(build_pantograph_ring(cells));
+    for (int i = 0; i < 20; ++i) {
+      const StepReport report = s.advance();
+      ASSERT_EQ(report.status, StepStatus::kOk) << cells;
+      EXPECT_EQ(report.redundant, 6 * cells + 7) << cells << " cells, step " << i;
+    }
+    std::printf("%d cells: joints closed to %.1e m\n", cells, calc_drift(s.plan, s.state, s.workspace));
+  }
+}
+
 // A ring whose axes are given with six digits: rigid bodies would not let it move. It moves, and the row that is not
 // held is counted. Axes that are farther off lock it.
 TEST(LoopGraphs, RowsThatFollowFromTheOthersOnlyNearlyAreCounted) {
