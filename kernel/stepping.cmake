@@ -10,6 +10,8 @@ set(UNLATCH_STEPPING_SOURCES
   events/corners.cc events/event_search.cc events/events.cc events/guards.cc events/impulses.cc
   geometry/closest.cc geometry/convex.cc geometry/core.cc geometry/distance.cc geometry/gjk.cc geometry/groups.cc geometry/middle.cc
   geometry/penetration.cc geometry/strips.cc geometry/wall.cc
+  images/check_blocks.cc images/check_elements.cc images/check_events.cc images/check_laws.cc images/check_loops.cc
+  images/open_plan.cc images/plan_check.cc
   integration/integrator.cc integration/load_state.cc integration/run.cc
   joints/coordinates.cc joints/kinematics.cc joints/residuals.cc
   laws/laws.cc laws/tables.cc

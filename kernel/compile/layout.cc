@@ -1,10 +1,10 @@
 #include "kernel/compile/layout.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "kernel/model/from_eigen.h"
 #include "kernel/plan/plan_data.h"
+#include "kernel/tree/group_parts.h"
 
 namespace unlatch {
 namespace {
@@ -84,33 +84,15 @@ class Layout {
 
   // The group's blocks of joints and of the solver, with their optional parts.
   void lay_out(Group& group) {
-    int numbers = group.has_joint ? kNumbers<SolverBlock> : 0;
-    const auto take = [&](std::uint8_t& part, int count) {
-      part = static_cast<std::uint8_t>(numbers);
-      numbers += count;
-    };
-    if (group.shared_axes)
-      group.at.rotation_axes = static_cast<std::uint8_t>(get_index(&SolverLane::axes));
-    else
-      take(group.at.rotation_axes, kNumbers<Mat3T>);
-    if (group.may_be_by_rows) take(group.at.free, kNumbers<FreeBlock>);
-    for (int r = 0; r < kRows; ++r) {
-      if (has_row(group.freedoms, r)) take(group.at.freedoms[r], kNumbers<FreedomBlock>);
-      if (has_row(group.rows, r)) take(group.at.rows[r], kNumbers<RowBlock>);
-      if (has_row(group.compliant, r)) take(group.at.pivots[r], 1);
-    }
-    group.size = static_cast<std::uint8_t>(numbers);
+    const JointNumbers numbers = place_parts(group);
     const int subtree = group.leaf ? 0 : kSubtreeBeforeSolver;
     group.solver = used_ + subtree * group.width;
-    used_ += align((subtree + numbers) * group.width);
+    used_ += align((subtree + group.size) * group.width);
     group.joint = joined_;
-    group.at.crossed = kNumbers<JointBlock>;
-    group.at.carried = static_cast<std::int16_t>(group.at.crossed + (group.universal ? 1 : 0));
     group.constants = constants_;
     if (!group.has_joint) return;
-    const int carried = kAxesAfterCarried + kNumbers<Vec3T> * std::popcount(group.carried);
-    joined_ += align((group.at.carried + carried) * group.width);
-    constants_ += align((kRotationAfterJoint + (group.shared_axes ? 0 : kNumbers<RotationConstants>)) * group.width);
+    joined_ += align(numbers.joint * group.width);
+    constants_ += align(numbers.constants * group.width);
   }
   // Blocks begin at cache lines.
   static std::int32_t align(int numbers) { return (numbers + kLineNumbers - 1) / kLineNumbers * kLineNumbers; }

@@ -36,14 +36,11 @@ inline InstructionSet read_instruction_set(int argc, char** argv, int& first) {
   std::exit(2);
 }
 
-// Prints the hashes of a run. False, with the reason on standard error, if a step fails.
-inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks,
-                                InstructionSet set) {
+// Prints the hashes of a run. `advance()`: a step's report. False, with the reason on standard error, if a step fails.
+template <class Advance>
+bool print_golden_hashes(const char* name, const Advance& advance, const State& state, const Workspace& workspace,
+                         std::int64_t ticks) {
   constexpr std::int64_t kEvery = 100;
-  PlanOptions options;
-  options.dt = dt;
-  options.instruction_set = set;
-  Simulation simulation(model, options);
   std::uint64_t outputs = 0xcbf29ce484222325u;  // FNV-1a over 64-bit words, folded
   std::size_t events = 0;
   const auto add_outputs = [&outputs](const auto& values) {
@@ -53,20 +50,29 @@ inline bool print_golden_hashes(const char* name, const Model& model, double dt,
     }
   };
   for (std::int64_t tick = 1; tick <= ticks; ++tick) {
-    const StepReport report = simulation.advance();
+    const StepReport report = advance();
     if (report.status != StepStatus::kOk) {
       std::fprintf(stderr, "%s: tick %" PRId64 ": %s\n", name, tick, get_status_text(report.status));
       return false;
     }
     events += report.events.size();
-    add_outputs(simulation.workspace.sensors);
-    add_outputs(simulation.workspace.multipliers);
+    add_outputs(workspace.sensors);
+    add_outputs(workspace.multipliers);
     if (tick % kEvery == 0 || tick == ticks) {
-      std::printf("%s %" PRId64 " %016" PRIx64 "\n", name, tick, calc_hash(simulation.state));
+      std::printf("%s %" PRId64 " %016" PRIx64 "\n", name, tick, calc_hash(state));
     }
   }
   std::printf("%s outputs %016" PRIx64 "\n%s events %zu\n", name, outputs, name, events);
   return true;
+}
+inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks,
+                                InstructionSet set) {
+  PlanOptions options;
+  options.dt = dt;
+  options.instruction_set = set;
+  Simulation simulation(model, options);
+  return print_golden_hashes(
+      name, [&] { return simulation.advance(); }, simulation.state, simulation.workspace, ticks);
 }
 
 }  // namespace unlatch::test

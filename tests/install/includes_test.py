@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "environment", "plan", "joints", "elements", "dynamics", "quantities", "laws", "tree",
-          "compile", "solver", "dispatch", "integration", "events", "step",
+          "compile", "solver", "dispatch", "integration", "events", "step", "images",
           "targets", "targets/ports")  # lowest first
 HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/random", "scenario/flexible", "scenario/meshes",
        "scenario/model", "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
