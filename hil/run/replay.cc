@@ -10,8 +10,9 @@ namespace {
 class Replayer {
  public:
   using Look = std::function<void(const StepReport&)>;
-  Replayer(Simulation& simulation, RunAnalysis* analysis, const Look& look, ReplayResult& result)
-      : simulation_(simulation), analysis_(analysis), look_(look), result_(result) {}
+  Replayer(const RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis, const Look& look,
+           ReplayResult& result)
+      : recording_(recording), simulation_(simulation), analysis_(analysis), look_(look), result_(result) {}
 
   // Shows the first state; once its record, or the end, is read.
   void begin() {
@@ -51,10 +52,11 @@ class Replayer {
 
  private:
   void show(const StepReport& report) {
-    if (analysis_ != nullptr) analysis_->update(report);
+    if (analysis_ != nullptr) analysis_->update(report, recording_.received);
     if (look_) look_(report);
   }
 
+  const RecordingReader& recording_;
   Simulation& simulation_;
   RunAnalysis* analysis_;
   const Look& look_;
@@ -102,7 +104,7 @@ void apply(const LogChange& change, Simulation& simulation) {
 ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis,
                     const std::function<void(const StepReport&)>& look) {
   ReplayResult result;
-  Replayer replayer(simulation, analysis, look, result);
+  Replayer replayer(recording, simulation, analysis, look, result);
   LogTick pending, tick;
   bool has_pending = false;
   while (recording.next(tick)) {

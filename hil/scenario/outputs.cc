@@ -45,7 +45,7 @@ class List {
       add_plain(Kind::kQuantity, i, "quantity", quantity.name,
                 {{"quantity." + quantity.name, unlatch::get_unit(model_, quantity)}});
     }
-    for (std::size_t i = 0; i < model_.sensors.size() && shown == SensorsShown::kAlsoReceived; ++i)
+    for (std::size_t i = 0; i < model_.sensors.size() && shows_received(scenario, shown); ++i)
       add_sensor(i, Kind::kReceived, "received");
   }
   std::vector<Output> outputs;
@@ -237,6 +237,12 @@ std::int64_t parse_every(const std::string& item, std::string_view text, double 
 }
 
 }  // namespace
+
+bool shows_received(const Scenario& scenario, SensorsShown shown) {
+  const auto has_sensors = [](const RateGroup& group) { return !group.sensors.empty(); };
+  return shown == SensorsShown::kAlsoReceived || !scenario.rates.errors.sensors.empty() ||
+         std::ranges::any_of(scenario.rates.groups, has_sensors);
+}
 
 std::vector<Output> list_outputs(const Scenario& scenario, SensorsShown shown) { return List(scenario, shown).outputs; }
 

@@ -70,11 +70,13 @@ struct Output {
   std::size_t first = 0;        // index of its first value among those of all outputs
 };
 
-// Sensors of a recorded session: as sampled alone, or beside them the values that flight software had.
-enum class SensorsShown { kSampled, kAlsoReceived };
+// The values of sensors as flight software receives them: shown where they differ from the true ones by the scenario,
+// which has errors or rates of sensors; or always, because faults may have changed them in a session.
+enum class SensorsShown { kAsScenario, kAlsoReceived };
+bool shows_received(const Scenario& scenario, SensorsShown shown);
 
 // Lists all outputs of a scenario, in a fixed order.
-std::vector<Output> list_outputs(const Scenario& scenario, SensorsShown shown = SensorsShown::kSampled);
+std::vector<Output> list_outputs(const Scenario& scenario, SensorsShown shown = SensorsShown::kAsScenario);
 // Number of values of all these outputs.
 std::size_t count_values(std::span<const Output> outputs);
 

@@ -52,6 +52,7 @@ struct Requirement {
   int pair = -1;           // kClearance: index in Scenario::clearance
   std::string pair_name;   // names of the pair: "core – booster1"
   int axis = kSize;        // row, axis or number of the value
+  bool received = false;   // kSensor: as flight software receives it, held from sample to sample
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), other = Eigen::Vector3d::Zero();  // unit vectors; zero: the size
   std::vector<EventName> events;                                                         // events of kTime, kOrder
   EventName at, from, to;  // instant, or beginning and end of the interval; default: those of the run

@@ -230,6 +230,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_outputs(top);
   read_flight_software(top);
   read_timing(top);
+  read_sensor_delays();
   for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);
   top.finish();
   report_physics();

@@ -17,19 +17,32 @@ namespace {
 enum Purpose : std::uint32_t { kTurnOn, kNoise, kWalk, kDrift, kDropout, kPurposes };
 constexpr std::uint32_t kMostDraws = 8;  // values of one sensor, more than any has
 
-// A standard normal number of a sensor's value at a tick.
-double draw_unit_of(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
-  const auto place =
-      (static_cast<std::uint32_t>(sensor) * kMostDraws + static_cast<std::uint32_t>(value)) * kPurposes + purpose;
-  return draw_unit(seed, RandomStream::kSensor, static_cast<std::uint64_t>(tick), place);
+// The seed of one sensor: a number drawn from that of the scenario, at the place of its name.
+std::uint64_t draw_seed(std::uint64_t seed, std::uint64_t name) {
+  return draw_word(seed, RandomStream::kSensor, name, kMostDraws * kPurposes);
 }
-double draw_normal(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
-  return calc_normal_quantile(draw_unit_of(seed, sensor, value, purpose, tick));
+
+// A number of (0, 1) of a sensor's value at a sample, and a standard normal one.
+double draw_unit_of(std::uint64_t seed, std::size_t value, Purpose purpose, std::int64_t sample) {
+  const auto place = static_cast<std::uint32_t>(value) * kPurposes + purpose;
+  return draw_unit(seed, RandomStream::kSensor, static_cast<std::uint64_t>(sample), place);
 }
+double draw_normal(std::uint64_t seed, std::size_t value, Purpose purpose, std::int64_t sample) {
+  return calc_normal_quantile(draw_unit_of(seed, value, purpose, sample));
+}
+
+// Number of the sample that is taken at a tick; the one of tick 0 comes before that of the phase.
+std::int64_t count_samples(std::int64_t tick, std::int64_t every) { return (tick + every - 1) / every; }
 
 bool is_attitude(std::size_t width) { return width == 4; }
 
 }  // namespace
+
+std::uint64_t calc_name_hash(std::string_view name) noexcept {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const char letter : name) hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001B3u;
+  return hash;
+}
 
 std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexcept {
   if (model.sensors.empty()) return hash;
@@ -41,6 +54,7 @@ std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexc
   add(model.seed);
   for (const SensorErrors& own : model.sensors) {
     add(static_cast<std::uint64_t>(own.sensor));
+    add(own.name);
     add(own.bias.size());
     for (const double bias : own.bias) add_number(bias);
     for (const double number :
@@ -52,8 +66,7 @@ std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexc
   return hash;
 }
 
-Measurement::Measurement(const Model& model, const SensorErrorModel& errors, std::span<const std::int64_t> every)
-    : seed_(errors.seed) {
+Measurement::Measurement(const Model& model, const SensorErrorModel& errors, std::span<const std::int64_t> every) {
   std::vector<std::size_t> first{0};
   for (const Sensor& sensor : model.sensors)
     first.push_back(first.back() + static_cast<std::size_t>(sensor_width(sensor.kind)));
@@ -67,6 +80,7 @@ Measurement::Measurement(const Model& model, const SensorErrorModel& errors, std
     added.draws = is_attitude(added.width) ? 3 : added.width;
     added.memory = memory;
     added.every = every[at];
+    added.seed = draw_seed(errors.seed, own.name);
     const double period = static_cast<double>(added.every) * errors.dt;
     const double density = own.noise_density / std::sqrt(period);
     added.noise = std::sqrt(own.noise * own.noise + density * density);
@@ -83,30 +97,29 @@ void Measurement::measure(std::int64_t tick, std::span<const std::int64_t> phase
   for (const Own& own : sensors_) {
     if (tick % own.every != phase[static_cast<std::size_t>(own.errors.sensor)] && tick != 0) continue;
     const std::span<double> mine = values.subspan(own.first, own.width);
-    measure(own, tick, mine);
+    const std::int64_t sample = count_samples(tick, own.every);
+    measure(own, sample, mine);
     if (own.errors.delay > 0) delay(own, tick, mine);
-    const bool lost = own.errors.dropout > 0 && tick != 0 &&
-                      draw_unit_of(seed_, own.errors.sensor, 0, kDropout, tick) < own.errors.dropout;
+    const bool lost =
+        own.errors.dropout > 0 && tick != 0 && draw_unit_of(own.seed, 0, kDropout, sample) < own.errors.dropout;
     if (lost) std::copy_n(last.begin() + static_cast<std::ptrdiff_t>(own.first), own.width, mine.begin());
   }
 }
 
-void Measurement::measure(const Own& own, std::int64_t tick, std::span<double> values) noexcept {
+void Measurement::measure(const Own& own, std::int64_t sample, std::span<double> values) noexcept {
   const SensorErrors& errors = own.errors;
-  const bool begins = tick == 0;
+  const bool begins = sample == 0;
   std::array<double, kMostDraws> sum{};
   for (std::size_t i = 0; i < own.draws; ++i) {
-    const auto draw = [&](Purpose purpose, std::int64_t at) {
-      return draw_normal(seed_, errors.sensor, i, purpose, at);
-    };
+    const auto draw = [&](Purpose purpose, std::int64_t at) { return draw_normal(own.seed, i, purpose, at); };
     double& walk = memory_[own.memory + i];
     double& drift = memory_[own.memory + own.draws + i];
-    if (own.walk > 0 && !begins) walk += own.walk * draw(kWalk, tick);
+    if (own.walk > 0 && !begins) walk += own.walk * draw(kWalk, sample);
     if (errors.drift > 0)
-      drift = begins ? errors.drift * draw(kDrift, tick) : own.keep * drift + own.renew * draw(kDrift, tick);
+      drift = begins ? errors.drift * draw(kDrift, sample) : own.keep * drift + own.renew * draw(kDrift, sample);
     sum[i] = (errors.bias.empty() ? 0 : errors.bias[i]) + walk + drift;
     if (errors.turn_on > 0) sum[i] += errors.turn_on * draw(kTurnOn, 0);
-    if (own.noise > 0) sum[i] += own.noise * draw(kNoise, tick);
+    if (own.noise > 0) sum[i] += own.noise * draw(kNoise, sample);
   }
   if (is_attitude(own.width)) {
     // q ⊗ (1, e/2), normalised: the turn by e but for its third order

@@ -1,6 +1,7 @@
 // Errors of sensors: what flight software receives instead of the true values. Random numbers are drawn by counters
-// from the seed, the sensor and the tick (hil/scenario/random/philox.h), so that they are the same on every machine and
-// in every replay. The errors decide nothing in the step but through flight software.
+// from the seed, the sensor's name and the number of the sample (hil/scenario/random/philox.h): they are the same on
+// every machine, in every replay, beside other sensors, and with a step of half the size where the sensor has a period.
+// The errors decide nothing in the step but through flight software.
 //
 // Of each value x of a sensor, at each of its samples, a period T apart:
 //
@@ -15,6 +16,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "unlatch/model.h"
@@ -24,6 +26,7 @@ namespace unlatch::hil {
 // Errors of one sensor, in the unit of its values; rad of an attitude. The same sizes for each of its values.
 struct SensorErrors {
   int sensor = 0;                    // index of the model
+  std::uint64_t name = 0;            // hash of its name, from which its numbers are drawn
   std::vector<double> bias{};        // of each value (of an attitude three); empty: none
   double turn_on = 0;                // σ of a bias that is drawn once for a run
   double noise = 0;                  // σ of each sample
@@ -46,6 +49,8 @@ struct SensorErrorModel {
 };
 
 std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexcept;
+// Hash of a sensor's name: FNV-1a, 64 bits.
+std::uint64_t calc_name_hash(std::string_view name) noexcept;
 
 // Sensors with errors, compiled: only the constructor allocates.
 class Measurement {
@@ -69,12 +74,12 @@ class Measurement {
     std::size_t first, width, draws;  // values; numbers of errors: three of an attitude
     std::size_t memory;               // its first number there
     std::int64_t every;
+    std::uint64_t seed;               // of the scenario's seed and the name
     double noise, walk, keep, renew;  // of a sample
   };
-  void measure(const Own& own, std::int64_t tick, std::span<double> values) noexcept;
+  void measure(const Own& own, std::int64_t sample, std::span<double> values) noexcept;
   void delay(const Own& own, std::int64_t tick, std::span<double> values) noexcept;
 
-  const std::uint64_t seed_;
   std::vector<Own> sensors_;
   std::vector<double> memory_;
 };

@@ -25,7 +25,7 @@ class Selection {
   // A group goes out at its ticks; the first tick and `last_tick` have every group. Scenario, simulation and analysis
   // must outlive it. The analysis, if there is one, is updated before each look(), and gives the shapes of touches.
   Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups,
-            std::int64_t last_tick, hil::SensorsShown shown = hil::SensorsShown::kSampled,
+            std::int64_t last_tick, hil::SensorsShown shown = hil::SensorsShown::kAsScenario,
             const hil::RunAnalysis* analysis = nullptr);
 
   // At every state, with what the step that led there reported, and the events of the session since the state before:

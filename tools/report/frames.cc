@@ -60,7 +60,7 @@ FrameRecorder::FrameRecorder(const hil::Scenario& scenario, const hil::Simulatio
       simulation_(simulation),
       analysis_(analysis),
       layout_(scenario, simulation.workspace().sensors.size(),
-              shown == hil::SensorsShown::kSampled ? 0 : simulation.get_sensors().size()) {}
+              hil::shows_received(scenario, shown) ? simulation.get_sensors().size() : 0) {}
 
 void FrameRecorder::look(const StepReport& report, std::span<const hil::LogReceived> received) {
   ++seen_;

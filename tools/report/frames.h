@@ -43,7 +43,7 @@ class FrameRecorder {
  public:
   // All three must outlive it; the analysis is updated before each look().
   FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
-                hil::SensorsShown shown = hil::SensorsShown::kSampled);
+                hil::SensorsShown shown = hil::SensorsShown::kAsScenario);
 
   // At every state, with what its step reported. `received`: sensor values that flight software has otherwise than they
   // were sampled.

@@ -69,6 +69,7 @@ void add_requirements(const Scenario& scenario, const RunAnalysis& analysis, std
   for (const Verdict& verdict : analysis.judge()) {
     if (!verdict.evaluated) continue;
     const Requirement& requirement = scenario.requirements[verdict.requirement];
+    if (requirement.received) continue;  // samples and bits: the true value's accuracy is the step's
     values.push_back({"requirement " + requirement.id, requirement.unit, Kind::kRequirement, verdict.value,
                       std::max(std::abs(verdict.value), std::abs(verdict.limit)), verdict.time});
   }

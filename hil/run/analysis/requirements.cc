@@ -67,6 +67,8 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
+    if (quantity == Measure::kSensor && received_.empty())
+      for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
@@ -83,7 +85,7 @@ bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
 double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
   const Requirement& r = *track.requirement;
   if (r.quantity == Measure::kQuantity) return knot.quantities[at(r.a)];
-  std::span<const double> values = knot.sensors;
+  std::span<const double> values = r.received ? std::span<const double>(received_) : knot.sensors;
   if (r.quantity == Measure::kContact)
     return contacts_.calc(knot.state, r.a, static_cast<Requirement::ContactValue>(r.axis));
   if (r.quantity == Measure::kReaction) {
@@ -133,6 +135,7 @@ double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) c
 
 double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
   const Requirement& r = *track.requirement;
+  if (r.received) return track.last;
   if (is_sampled(r)) return track.curve.calc(time);
   if (is_of_motion(r)) {
     const ContactReading reading = contacts_.calc(window, r.a, time);
@@ -187,7 +190,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
   window_ = &window;
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
-    if (r.is_of_events()) continue;
+    if (r.is_of_events() || r.received) continue;
     // Turns of an angle are counted from the beginning of the run, whatever the interval.
     if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
     if (is_smallest_clearance(r)) {
@@ -213,6 +216,19 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     track.last = end;
     track.last_time = to.time;
     track.fresh = false;
+  }
+}
+
+void RequirementMonitor::add_received(double time, std::span<const double> values) {
+  if (received_.empty()) return;
+  std::ranges::copy(values, received_.begin());
+  for (Track& track : tracks_) {
+    if (!track.requirement->received || track.phase != Phase::kOpen) continue;
+    track.last = calc_sample(track, {});
+    track.last_time = time;
+    track.has_last = true;
+    track.low.add(time, track.last);
+    track.high.add(time, -track.last);
   }
 }
 

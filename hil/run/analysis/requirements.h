@@ -39,6 +39,8 @@ class RequirementMonitor {
   void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
   // Adds the piece between these knots, to which the window and the clearances have already moved.
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Adds the values of all sensors as flight software receives them, at the end of a tick; they hold until the next.
+  void add_received(double time, std::span<const double> values);
   // Verdicts on the run so far, whose end is the end of the window.
   [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
   // End of the interval of requirement number i, s; infinity while it goes on.
@@ -77,7 +79,8 @@ class RequirementMonitor {
   const ClearanceHistory& clearances_;
   const ContactHistory& contacts_;
   std::vector<Track> tracks_;
-  std::vector<double> times_;  // s, first occurrence of each event; NaN before it
+  std::vector<double> received_;  // present values of all sensors as received
+  std::vector<double> times_;     // s, first occurrence of each event; NaN before it
   const MotionWindow* window_ = nullptr;
 };
 

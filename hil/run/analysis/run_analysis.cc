@@ -18,7 +18,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
   simulation.keep_motion();
 }
 
-void RunAnalysis::update(const StepReport& report) {
+void RunAnalysis::update(const StepReport& report, std::span<const LogReceived> received) {
   accuracy_.update(report);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   search.postponed += report.postponed;
@@ -34,6 +34,15 @@ void RunAnalysis::update(const StepReport& report) {
   } else {
     add_motion(report.events);
   }
+  add_received(received);
+}
+
+void RunAnalysis::add_received(std::span<const LogReceived> received) {
+  received_.assign(simulation_.get_sensors().begin(), simulation_.get_sensors().end());
+  for (const LogReceived& one : received)
+    if (one.value >= 0 && static_cast<std::size_t>(one.value) < received_.size())
+      received_[static_cast<std::size_t>(one.value)] = one.received;
+  requirements_.add_received(simulation_.get_time(), received_);
 }
 
 // Updates the shared reactions. The set of redundant rows changes only with their number and with events. At first no

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/motion_window.h"
 #include "hil/run/notices/notices.h"
+#include "hil/run/recording/log_format.h"
 #include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/redundancy.h"
@@ -54,8 +56,9 @@ class RunAnalysis {
   // Makes the simulation keep its motion from now on.
   RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request = {});
 
-  // Analyses the present state and the report of its step (a default report for the initial state).
-  void update(const StepReport& report);
+  // Analyses the present state and the report of its step (a default report for the initial state). `received`: values
+  // of sensors that flight software had otherwise than as sampled.
+  void update(const StepReport& report, std::span<const LogReceived> received = {});
 
   std::vector<TimelineEntry> timeline;
   std::vector<TipOff> tip_offs;
@@ -76,6 +79,7 @@ class RunAnalysis {
   SearchTotals search;
 
  private:
+  void add_received(std::span<const LogReceived> received);
   void add_motion(std::span<const FiredEvent> events);
   [[nodiscard]] std::string list_shapes(const Event& event, const MotionKnot& before, const MotionKnot& after) const;
   void add_event(const FiredEvent& fired, const MotionKnot& before, const MotionKnot& after);
@@ -84,6 +88,7 @@ class RunAnalysis {
   const Scenario& scenario_;
   const Simulation& simulation_;
   const AnalysisRequest request_;
+  std::vector<double> received_;           // scratch
   std::optional<std::int32_t> redundant_;  // number of redundant rows at the latest state
   MotionWindow window_;
   ClearanceHistory clearance_;

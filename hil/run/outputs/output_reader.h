@@ -19,7 +19,7 @@ namespace unlatch::hil {
 class OutputReader {
  public:
   // Keeps references to both.
-  OutputReader(const Scenario& scenario, const Simulation& simulation, SensorsShown shown = SensorsShown::kSampled);
+  OutputReader(const Scenario& scenario, const Simulation& simulation, SensorsShown shown = SensorsShown::kAsScenario);
 
   // Sets the sensor values that flight software has at the present state and that were not sampled.
   void set_received(std::span<const LogReceived> received) { received_.assign(received.begin(), received.end()); }

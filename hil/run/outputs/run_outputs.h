@@ -23,7 +23,7 @@ class RunOutputs {
 
   // `samples`: ticks, in any order; `groups`: empty for no series. Keeps references to scenario and simulation.
   RunOutputs(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples,
-             const std::vector<OutputGroup>& groups, SensorsShown shown = SensorsShown::kSampled);
+             const std::vector<OutputGroup>& groups, SensorsShown shown = SensorsShown::kAsScenario);
 
   // Reads the present state; called at every state of the run, the first included. `received`: see OutputReader.
   void look(std::span<const LogReceived> received = {});

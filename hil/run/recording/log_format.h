@@ -56,7 +56,7 @@ struct LogHeader {
 
 // Sensors that outputs of a recording have.
 inline SensorsShown get_sensors_shown(const LogHeader& header) {
-  return header.has_received ? SensorsShown::kAlsoReceived : SensorsShown::kSampled;
+  return header.has_received ? SensorsShown::kAlsoReceived : SensorsShown::kAsScenario;
 }
 
 enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2, kLateCommand = 3 };

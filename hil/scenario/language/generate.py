@@ -17,7 +17,7 @@ NAME = r"^[A-Za-z<][A-Za-z0-9_<>-]*$"
 SHAPES = r"^[A-Za-z<][A-Za-z0-9_<>-]*([.][A-Za-z<][A-Za-z0-9_<>-]*)?$"  # body, body.shape, body.group
 # Words that YAML 1.1 tools read as true, false or null; they are no names (is_name in yaml_reader.cc).
 NOT_A_NAME = "^(" + "|".join("".join(f"[{c.upper()}{c}]" for c in word) for word in ("true", "false", "yes", "no", "on", "off", "null")) + ")$"
-EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<>%°µμ·⋅×²³− -]+$"
+EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<>%°µμ·⋅×²³−√ -]+$"
 PARAMETER = r"^<[A-Za-z][A-Za-z0-9_-]*>$"
 
 # --- The schema ------------------------------------------------------------------------------------------------------

@@ -155,6 +155,7 @@ void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
   for (const Sensor& sensor : model_.sensors) sensors.push_back(sensor.name);
   to.a = map.choice("name", "sensor", sensors);
   const int value = map.choice("value", "value", kValues, 7);
+  to.received = map.boolean("received", false);
   if (to.a < 0 || value < 0) return;
   const Sensor& sensor = model_.sensors[static_cast<std::size_t>(to.a)];
   const int width = sensor_width(sensor.kind);
@@ -274,7 +275,7 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
       break;
     }
     case Measure::kSensor:
-      text += " " + model.sensors[static_cast<std::size_t>(r.a)].name;
+      text += " " + model.sensors[static_cast<std::size_t>(r.a)].name + (r.received ? " as received" : "");
       break;
     default: {
       const std::string row = r.axis >= 0 ? kRowNames[r.axis] : r.axis == Requirement::kForce ? "force" : "moment";

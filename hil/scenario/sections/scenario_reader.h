@@ -197,6 +197,7 @@ class ScenarioReader {
   // Sensors and events.
   void read_sensor(const std::string& name, const YamlNode& node);
   void read_sensor_errors(const YamlNode& node, const Sensor& sensor);
+  void read_sensor_delays();
   void read_event(const YamlNode& node);
   Condition read_condition(const YamlNode& node);
   void read_parts(const YamlNode& node, const std::string& kind, Condition& condition);
@@ -243,6 +244,11 @@ class ScenarioReader {
   std::vector<TableSource> tables_;                                      // as Model::tables
   std::set<int> open_laws_;                                              // that have no steps yet
   std::vector<ElementLaw> element_laws_;                                 // likewise, of elements
+  struct SensorDelay {
+    std::size_t errors;  // index
+    YamlNode node;
+  };
+  std::vector<SensorDelay> sensor_delays_;
   std::vector<Placement> placements_;
   Start::Origin origin_ = Start::Origin::kKept;  // of W, beside the planet
   const YamlNode* origin_node_ = nullptr;

@@ -1,79 +1,15 @@
 // Errors of sensors, in the units of data sheets: deg/h, deg/√h, µg/√Hz.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 
 #include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/sections/scenario_reader.h"
+#include "hil/scenario/text/number_text.h"
+#include "hil/scenario/text/written_unit.h"
 
 namespace unlatch::hil {
 namespace {
-
-// Units of data sheets that the language does not have elsewhere: h would be a common name of constants, and g is a
-// gram.
-struct SheetUnit {
-  const char *name, *stands_for;
-};
-constexpr SheetUnit kSheetUnits[] = {{"µg", "(9.80665e-6 m/s2)"},
-                                     {"μg", "(9.80665e-6 m/s2)"},
-                                     {"ug", "(9.80665e-6 m/s2)"},
-                                     {"mg", "(9.80665e-3 m/s2)"},
-                                     {"Hz", "(1/s)"},
-                                     {"h", "(3600 s)"}};
-
-// Letters, and the bytes of µ (micro sign) and μ (Greek letter) in UTF-8; not those of √.
-bool is_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '\xc2' || c == '\xb5' || c == '\xce' ||
-         c == '\xbc';
-}
-
-// A number, a unit or a bracket before a unit: "15 µg" is a product, "15*µg" has its star already.
-bool ends_with_factor(const std::string& text) {
-  const std::size_t last = text.find_last_not_of(' ');
-  return last != std::string::npos &&
-         (std::isalnum(static_cast<unsigned char>(text[last])) != 0 || text[last] == '.' || text[last] == ')');
-}
-
-std::string replace_sheet_units(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size();) {
-    if (!is_word(text[i])) {
-      out += text[i++];
-      continue;
-    }
-    std::size_t end = i;
-    while (end < text.size() && (is_word(text[end]) || (end > i && text[end] >= '0' && text[end] <= '9'))) ++end;
-    const std::string word = text.substr(i, end - i);
-    const auto* const unit = std::ranges::find(kSheetUnits, word, &SheetUnit::name);
-    if (unit == std::end(kSheetUnits)) {
-      out += word;
-    } else {
-      if (ends_with_factor(out)) out += '*';
-      out += unit->stands_for;
-    }
-    i = end;
-  }
-  return out;
-}
-
-// "0.1 deg / √h" → "(0.1 deg)^2/(h)"; empty if there is no root at the end.
-std::string square(const std::string& text) {
-  for (const std::string& root : {std::string("√"), std::string("sqrt(")}) {
-    const std::size_t at = text.rfind(root);
-    if (at == std::string::npos) continue;
-    const std::size_t slash = text.find_last_not_of(' ', at == 0 ? 0 : at - 1);
-    if (slash == std::string::npos || text[slash] != '/') continue;
-    std::string under = text.substr(at + root.size());
-    if (root.back() == '(') {
-      const std::size_t close = under.rfind(')');
-      if (close == std::string::npos) continue;
-      under = under.substr(0, close);
-    }
-    return "(" + text.substr(0, slash) + ")^2/(" + under + ")";
-  }
-  return "";
-}
 
 // Twice the exponents of a unit, and `seconds` more of time.
 Dimension calc_squared(const std::string& unit, int seconds) {
@@ -90,8 +26,8 @@ double read_size(YamlMap& map, const char* key, const std::string& unit, int sec
   const YamlNode* const node = map.find(key);
   if (node == nullptr) return 0;
   YamlNode translated = *node;
-  const std::string squared = square(replace_sheet_units(node->text));
-  translated.text = squared.empty() ? replace_sheet_units(node->text) : squared;
+  const std::string plain = replace_sheet_units(node->text), squared = square_root_unit(plain);
+  translated.text = squared.empty() ? plain : squared;
   bool fits = true;
   double value = 0;
   if (seconds == 0 && squared.empty()) {
@@ -125,6 +61,7 @@ void ScenarioReader::read_sensor_errors(const YamlNode& node, const Sensor& sens
   YamlMap map(node, "errors of sensor '" + sensor.name + "'", mistakes_);
   SensorErrors errors;
   errors.sensor = static_cast<int>(model_.sensors.size());
+  errors.name = calc_name_hash(sensor.name);
   const int width = sensor_width(sensor.kind);
   const bool attitude = sensor.kind == Kind::kAttitude, signal = sensor.kind == Kind::kContact;
   std::string unit = attitude ? "rad" : get_unit(model_, get_quantity(model_, sensor));
@@ -158,9 +95,43 @@ void ScenarioReader::read_sensor_errors(const YamlNode& node, const Sensor& sens
     errors.range = size("range");
   }
   errors.dropout = read_bounded(map, get_number_key("scenario.sensor_errors.dropout"), 0.0, mistakes_);
-  errors.delay = static_cast<int>(read_bounded(map, get_number_key("scenario.sensor_errors.delay"), 0.0, mistakes_));
+  if (const YamlNode* const delay = map.find("delay"))
+    sensor_delays_.push_back({scenario_.rates.errors.sensors.size(), *delay});
   map.finish();
   scenario_.rates.errors.sensors.push_back(std::move(errors));
+}
+
+// A delay is a number of samples, or a time that is one: known once the groups are.
+void ScenarioReader::read_sensor_delays() {
+  constexpr double kSameTime = 1e-6;  // relative to a sample: the rounding of a decimal period
+  constexpr const NumberKey& kDelay = get_number_key("scenario.sensor_errors.delay");
+  for (const SensorDelay& delay : sensor_delays_) {
+    SensorErrors& errors = scenario_.rates.errors.sensors[delay.errors];
+    const std::optional<Quantity> quantity = read_quantity(delay.node, mistakes_);
+    if (!quantity) continue;
+    std::int64_t every = 1;
+    for (const RateGroup& group : scenario_.rates.groups)
+      if (std::ranges::find(group.sensors, errors.sensor) != group.sensors.end()) every = group.rate.every;
+    const double period = static_cast<double>(every) * scenario_.dt;
+    const bool timed = quantity->dimension == dimension_of("s");
+    if (!timed && !quantity->dimension.is_plain()) {
+      mistakes_.add(delay.node.mark, "'" + delay.node.text + "' is " + describe_dimension(quantity->dimension),
+                    "a delay is a number of samples, 2, or a time, 20 ms");
+      continue;
+    }
+    double samples = timed && period > 0 ? quantity->value / period : quantity->value;
+    if (timed && std::abs(samples - std::round(samples)) <= kSameTime) samples = std::round(samples);
+    if (samples == std::floor(samples) || !std::isfinite(samples)) {
+      if (check_bounds(samples, kDelay, delay.node.mark, mistakes_)) errors.delay = static_cast<int>(samples);
+      continue;
+    }
+    const auto write = [&](double count) { return timed ? write_short(count * period) + " s" : write_short(count); };
+    mistakes_.add(delay.node.mark,
+                  "a delay of " + write_short(samples) + " samples: values are sampled, and delivered, every " +
+                      write_short(period) + " s",
+                  write(std::floor(samples)) + " or " + write(std::ceil(samples)) +
+                      ", or a group with a shorter period in timing.groups");
+  }
 }
 
 }  // namespace unlatch::hil

@@ -123,7 +123,7 @@ def main():
     parser.add_argument("--unlatch", default="unlatch")
     parser.add_argument("--samples", type=int, help="only the first ones")
     options = parser.parse_args()
-    overrides = {"seed": "sensor_seed", "random_walk": "sensors.gyro1.errors.noise_density", "mounting [rad]": "sensors.star_tracker1.errors.turn_on",
+    overrides = {"seed": "sensor_seed", "random_walk [rad/√s]": "sensors.gyro1.errors.noise_density", "mounting [rad]": "sensors.star_tracker1.errors.turn_on",
                  "stiffness [N/m]": "constants.stiffness"}
     print("sample,seed,random_walk [rad/√s],mounting [rad],attitude error [deg],velocity error [mm/s],wire late [ms]")
     failed = 0
@@ -132,7 +132,7 @@ def main():
             changes = [part for key, path in overrides.items() for part in ("--set", f"{path}={row[key]}")]
             attitude, speed, wire = judge(options.unlatch, f"{work}/flight.log", "--until", "20", *changes)
             failed += not attitude <= LIMIT
-            print(f"{row['sample']},{row['seed']},{float(row['random_walk']):.3g},{float(row['mounting [rad]']):.3g},{math.degrees(attitude):.4f},"
+            print(f"{row['sample']},{row['seed']},{float(row['random_walk [rad/√s]']):.3g},{float(row['mounting [rad]']):.3g},{math.degrees(attitude):.4f},"
                   f"{1e3 * speed:.3f},{1e3 * wire:.1f}", flush=True)
     print(f"{failed} beyond {math.degrees(LIMIT):g} deg", file=sys.stderr)
     sys.exit(1 if failed else 0)

@@ -243,10 +243,12 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
       mistakes_.add(e.mark, e.what(), e.mend);
       return;
     }
+    reading.sheet = first_path.starts_with("sensors.") && first_path.find(".errors.") != std::string::npos;
     one.drawn = read_distribution(map, one, reading);
     const bool by_index = !one.choices.empty();
     if (!reading.dimension && !by_index) reading.dimension = find_dimension(first_path);
     if (reading.dimension && !by_index) one.unit = describe_unit(*reading.dimension);
+    if (!reading.root_unit.empty()) one.unit = reading.root_unit;
     if (!one.unit.empty() && reading.shown) one.shown = reading.shown;
     one.levels = read_levels(map, levels_);
     if (one.distribution.kind == Distribution::Kind::kDiscrete)

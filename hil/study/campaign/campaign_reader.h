@@ -43,6 +43,8 @@ class CampaignReader {
     const YamlNode* nominal = nullptr;
     std::optional<Dimension> dimension;
     std::optional<WrittenUnit> shown;
+    bool sheet = false;     // an error of a sensor: units of data sheets too
+    std::string root_unit;  // of a size per root of time: "rad/√s"
   };
   bool read_distribution(YamlMap& map, CampaignParameter& to, Reading& reading);
   double read_value(YamlMap& map, const std::string& key, Reading& reading, std::optional<double> fallback = {});

@@ -29,9 +29,21 @@ double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading&
     }
     node = reading.nominal;
   }
-  const auto quantity = read_quantity(*node, mistakes_);
+  YamlNode translated = *node;
+  if (reading.sheet && node->is_scalar()) {
+    if (const auto root = read_root_unit(node->text)) {
+      if (!reading.root_unit.empty() && reading.root_unit != root->unit)
+        mistakes_.add(node->mark, "values of different kinds: " + reading.root_unit + " and " + root->unit,
+                      "give all in one unit");
+      reading.root_unit = root->unit;
+      if (!reading.shown) reading.shown = root->shown;
+      return root->value;
+    }
+    translated.text = replace_sheet_units(node->text);
+  }
+  const auto quantity = read_quantity(translated, mistakes_);
   if (!quantity) return 0;
-  if (!reading.shown) reading.shown = find_written_unit(node->text);
+  if (!reading.shown) reading.shown = find_written_unit(translated.text);
   if (!quantity->dimension.is_plain()) {
     if (reading.dimension && !(*reading.dimension == quantity->dimension))
       mistakes_.add(node->mark,

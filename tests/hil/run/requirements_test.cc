@@ -194,6 +194,52 @@ TEST(Requirements, SensorsAreThoseOfTheInstant) {
   EXPECT_FALSE(run.judge("shaken").is_met());
 }
 
+// A wheel that turns ever faster, 1 rad/s², measured every 10 ms, 0.5 rad/s too high and 20 ms late: at t the received
+// rate is 0.5 + the rate at the sample before last, 0.5 + floor(100 t)/100 - 0.02.
+const char* const kMeasured = R"(unlatch: 1
+name: measured
+step: {dt: 1 ms, until: 1}
+bodies:
+  wheel: {mass: 1, inertia: [1, 1, 1]}
+elements:
+  motor: {type: torque, body: wheel, frame: world, direction: [0, 0, 1], profile: 1 N m}
+sensors:
+  gyro: {type: rate, body: wheel, errors: {bias: 0.5 rad/s, delay: 20 ms}}
+events:
+  - {name: half, when: {time: 0.5055}}
+timing: {groups: {slow: {period: 10 ms, sensors: [gyro]}}}
+requirements:
+  - {id: truth, sensor: {name: gyro, value: z}, take: final, at_most: 1 rad/s}
+  - {id: last, sensor: {name: gyro, value: z, received: true}, take: final, at_most: 1 rad/s}
+  - {id: half, sensor: {name: gyro, value: z, received: true}, at: half, at_most: 1 rad/s}
+  - {id: before, sensor: {name: gyro, value: z, received: true}, from: half, take: minimum, at_least: 1 rad/s}
+  - {id: greatest, sensor: {name: gyro, value: z, received: true}, at_most: 1.4 rad/s}
+)";
+
+TEST(Requirements, SensorsAsReceivedHaveTheirErrorsAndHoldFromSampleToSample) {
+  const AnalysedRun run(kMeasured);
+  EXPECT_NEAR(run.judge("truth").value, 1, kExact);
+  EXPECT_NEAR(run.judge("last").value, 1.48, kExact);
+  EXPECT_NEAR(run.judge("half").value, 0.98, kExact);
+  EXPECT_NEAR(run.judge("before").value, 0.98, kExact);
+  EXPECT_FALSE(run.judge("before").is_met());
+  EXPECT_NEAR(run.judge("greatest").value, 1.48, kExact);
+  EXPECT_EQ(run.judge("greatest").time, 1);
+  EXPECT_FALSE(run.judge("greatest").is_met());
+}
+
+// What a session recorded as received otherwise counts instead.
+TEST(Requirements, SensorsAsReceivedAreThoseThatARecordingHas) {
+  const AnalysedRun run(kMeasured);
+  const hil::Scenario& scenario = run.scenario;
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation);
+  analysis.update(StepReport{});
+  const hil::LogReceived stuck{2, 7.0};
+  analysis.update(simulation->step(), {&stuck, 1});
+  EXPECT_EQ(analysis.judge().back().value, 7.0);
+}
+
 // A wheel on an axle, at 4 rad/s; it brakes at 1 rad/s² about its axle.
 const char* const kWheel = R"(unlatch: 1
 name: wheel

@@ -200,6 +200,45 @@ TEST(SensorErrors, SeedsValuesAndSensorsAreIndependent) {
   EXPECT_LT(std::abs(together / 20000), 4 / std::sqrt(20000.0));
 }
 
+// A sensor of the same name at another place of the model has the same numbers, one of another name has not.
+TEST(SensorErrors, NumbersFollowFromTheNameOfTheSensorAlone) {
+  Model model = build_model();
+  Sensor other = model.sensors[0];
+  other.name = "other";
+  model.sensors.insert(model.sensors.begin(), other);
+  std::vector<double> truth{0.1, -0.2, 0.3};
+  truth.insert(truth.end(), kTruth.begin(), kTruth.end());
+  const std::uint64_t gyro = hil::calc_name_hash("gyro"), name = hil::calc_name_hash("other");
+  hil::Rates rates = with_errors({.sensor = 0, .name = name, .noise = 1, .walk = 1, .drift = 1}, 2);
+  rates.errors.sensors.push_back({.sensor = 1, .name = gyro, .noise = 1, .walk = 1, .drift = 1});
+  rates.groups[0].sensors.push_back(1);
+  hil::SampleAndHold both(model, rates, {}, truth);
+  hil::SampleAndHold alone(build_model(),
+                           with_errors({.sensor = 0, .name = gyro, .noise = 1, .walk = 1, .drift = 1}, 2), {}, kTruth);
+  int equal = 0;
+  for (std::int64_t tick = 1; tick <= 100; ++tick) {
+    both.sample(tick, truth);
+    alone.sample(tick, kTruth);
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_EQ(both.get_sensors()[3 + i], alone.get_sensors()[i]) << tick;
+    equal += both.get_sensors()[0] == both.get_sensors()[3] ? 1 : 0;
+  }
+  EXPECT_EQ(equal, 0);
+}
+
+// FNV-1a's published values: "" and "foobar" (draft-eastlake-fnv, appendix).
+TEST(SensorErrors, NamesAreHashedByTheirPublishedFunction) {
+  EXPECT_EQ(hil::calc_name_hash(""), 0xcbf29ce484222325u);
+  EXPECT_EQ(hil::calc_name_hash("foobar"), 0x85944171f73967e8u);
+}
+
+TEST(SensorErrors, AStepOfHalfTheSizeGivesASensorWithAPeriodTheSameNumbers) {
+  const hil::SensorErrors errors{.sensor = 0, .noise = 0.1, .walk = 0.1, .drift = 0.1, .dropout = 0.1};
+  hil::Rates fine = with_errors(errors, 8);
+  fine.errors.dt = kDt / 2;
+  const std::vector<double> coarse = record(with_errors(errors, 4), 1000), again = record(fine, 1000);
+  for (std::size_t i = 0; i < coarse.size(); ++i) EXPECT_DOUBLE_EQ(coarse[i], again[i]) << i;
+}
+
 // --- The language
 // ------------------------------------------------------------------------------------------------------
 
@@ -241,6 +280,24 @@ TEST(SensorErrors, ThousandthsOfGravityAreRead) {
   EXPECT_DOUBLE_EQ(own.noise, 1.5e-3 * kGravity);
   EXPECT_DOUBLE_EQ(own.quantum, 2e-6 * kGravity);
   EXPECT_DOUBLE_EQ(own.drift, 3e-6 * kGravity);
+}
+
+TEST(SensorErrors, ADelayIsANumberOfSamplesOrATimeThatIsOne) {
+  EXPECT_EQ(load("delay: 3").rates.errors.sensors[0].delay, 3);
+  EXPECT_EQ(load("delay: 3 ms").rates.errors.sensors[0].delay, 3);  // of 1 ms each, without a group
+  const std::string groups = "timing: {groups: {slow: {period: 20 ms, sensors: [gyro]}}}\n";
+  const auto load_slow = [&](const std::string& delay) {
+    std::string text = kGoodScenario + groups;
+    const std::string sensor = "gyro: {type: rate, body: core";
+    text.insert(text.find(sensor) + sensor.size(), ", errors: {delay: " + delay + "}");
+    return load_errors(text);
+  };
+  EXPECT_EQ(load_slow("60 ms"), "");
+  EXPECT_THAT(load_slow("50 ms"),
+              testing::AllOf(testing::HasSubstr("a delay of 2.5 samples"), testing::HasSubstr("0.04 s or 0.06 s")));
+  EXPECT_THAT(load_slow("1.5"), testing::HasSubstr("1 or 2, or a group with a shorter period"));
+  EXPECT_THAT(load_slow("1 m"), testing::HasSubstr("a time, 20 ms"));
+  EXPECT_THAT(load_slow("-1"), testing::HasSubstr("a whole number from 0 to 1000"));
 }
 
 TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {

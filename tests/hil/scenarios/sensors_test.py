@@ -3,6 +3,7 @@
 
     sensors_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import json
 import math
 import sys
 
@@ -110,14 +111,14 @@ class SensorsTest(ProcessTest):
         equal = sum(a["received.gyro1.x"] == b["received.gyro1.x"] for a, b in zip(first, other))
         self.assertLess(equal, 0.05 * len(first))  # by chance: the noise is some hundred bits wide
 
-    def test_neither_the_order_of_groups_nor_a_sensor_behind_the_others_changes_what_is_received(self):
+    def test_neither_the_order_of_groups_nor_a_sensor_before_the_others_changes_what_is_received(self):
         text = FILE.read_text().replace("include: parts/sensors.yaml", "include: sensors.yaml")
         (self.folder / "sensors.yaml").write_text((SCENARIOS / "sensors/parts/sensors.yaml").read_text())
         lines = text.split("\n")
         at = next(i for i, line in enumerate(lines) if line.startswith("    inertial:"))
         lines[at], lines[at + 1] = lines[at + 1].replace("star_tracker1", "gyro2, star_tracker1"), lines[at].replace("gyro1, accelerometer1, wire1", "wire1, accelerometer1, gyro1")
-        at = next(i for i, line in enumerate(lines) if "template: contact_switch" in line)
-        lines.insert(at + 1, "  - {template: gyro_mems, for: [{i: 2, body: stage}]}")
+        at = next(i for i, line in enumerate(lines) if "template: gyro_tactical" in line)
+        lines.insert(at, "  - {template: gyro_mems, for: [{i: 2, body: stage}]}")
         path = self.folder / "other.yaml"
         path.write_text("\n".join(lines))
         outputs = "*.gyro1,*.accelerometer1,*.star_tracker1,*.wire1,*.switch1"
@@ -147,6 +148,17 @@ class SensorsTest(ProcessTest):
         for sensor, event, late in (("wire1", "broken", 0.02), ("switch1", "opens", 0.0)):
             came = next(row["t"] for row in rows if row[f"received.{sensor}"] > 0.5)
             self.assertAlmostEqual(came, math.ceil(happened[event] / 0.01) * 0.01 + late, delta=1e-9)
+
+    def test_requirements_on_received_values_follow_the_seed_and_those_on_true_values_do_not(self):
+        def judge_seed(seed):
+            result = json.loads(self.run_ok(UNLATCH, "run", FILE, "--until", 11, "--set", f"sensor_seed={seed}", "--json", "-", code=None).stdout)
+            return {one["id"]: one["value"] for one in result["verdict"]}
+        first, other = judge_seed(1), judge_seed(2)
+        self.assertNotEqual(first["gyro"], other["gyro"])
+        self.assertEqual({key: value for key, value in first.items() if key != "gyro"}, {key: value for key, value in other.items() if key != "gyro"})
+        rows = self.fly("--until", 11)  # a session judges what it received: the spin's largest value, from its own recording
+        spins = [row["received.gyro1.x"] for row in rows if row["t"] <= 10]
+        self.assertIn(first["gyro"], (max(spins), min(spins)))
 
     def test_the_observer_of_each_sample_of_the_campaign_keeps_its_limit(self):
         folder = self.folder / "campaign"

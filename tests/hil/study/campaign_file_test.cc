@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hil/scenario/random/normal.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/samples/sample_record.h"
-#include "hil/scenario/random/normal.h"
 #include "tests/hil/scenario/scenario_support.h"
 
 namespace unlatch::test {
@@ -50,6 +50,32 @@ std::vector<std::string> list_names(const Campaign& campaign) {
   std::vector<std::string> names;
   for (const hil::CampaignParameter& parameter : campaign.parameters) names.push_back(parameter.name);
   return names;
+}
+
+TEST_F(CampaignFileTest, ErrorsOfSensorsTakeTheUnitsOfDataSheets) {
+  constexpr double kDegree = 3.141592653589793 / 180;
+  std::ofstream(folder_ / "s.yaml") << replaced(kGoodScenario, "gyro: {type: rate, body: core}",
+                                                "gyro: {type: rate, body: core, errors: {noise_density: 0.1 deg/√h, "
+                                                "drift: 2 deg/h}}");
+  const Campaign campaign = load(
+      "samples: 3\nparameters:\n  arw: {path: sensors.gyro.errors.noise_density, uniform: {min: 0.05 deg/√h, max: "
+      "0.2 deg/sqrt(h)}}\n  drift: {path: sensors.gyro.errors.drift, normal: {mean: nominal, sigma: 10 %}}\n"
+      "  rrw: {path: sensors.gyro.errors.walk, uniform: {min: 0, max: 1 deg/h/√h}}\n");
+  EXPECT_DOUBLE_EQ(campaign.parameters[0].distribution.a, 0.05 * kDegree / 60);
+  EXPECT_DOUBLE_EQ(campaign.parameters[0].distribution.b, 0.2 * kDegree / 60);
+  EXPECT_EQ(campaign.parameters[0].unit, "rad/√s");
+  EXPECT_EQ(campaign.parameters[0].shown->name, "deg/√h");
+  EXPECT_DOUBLE_EQ(campaign.parameters[0].shown->factor, kDegree / 60);
+  EXPECT_DOUBLE_EQ(campaign.parameters[1].distribution.a, 2 * kDegree / 3600);
+  EXPECT_EQ(campaign.parameters[2].unit, "rad/s/√s");
+  EXPECT_DOUBLE_EQ(campaign.parameters[2].distribution.b, kDegree / 3600 / 60);
+  // The value that is drawn is that of the scenario, to the bit: √(x²) = x.
+  const double drawn = hil::draw_inputs(campaign, 1)[0];
+  const auto scenario = campaign.tree->read(hil::make_settings(campaign, hil::draw_inputs(campaign, 1)));
+  EXPECT_EQ(scenario.rates.errors.sensors[0].noise_density, drawn);
+  EXPECT_THAT(load_errors("samples: 3\nparameters:\n  arw: {path: sensors.gyro.errors.noise_density, uniform: {min: "
+                          "0.05 deg/√h, max: 0.2 deg/h/√h}}\n"),
+              HasSubstr("values of different kinds: rad/√s and rad/s/√s"));
 }
 
 TEST_F(CampaignFileTest, StarsMakeAParameterForEachEntryOrOneForAll) {

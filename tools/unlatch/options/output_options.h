@@ -19,6 +19,6 @@ void add_junit_option(Command command, std::string& junit);
 void add_outputs_option(Command command, std::string& text);
 // The groups of --outputs, else the scenario's. Refuses names that are none.
 std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text,
-                                             hil::SensorsShown shown = hil::SensorsShown::kSampled);
+                                             hil::SensorsShown shown = hil::SensorsShown::kAsScenario);
 
 }  // namespace unlatch::tools

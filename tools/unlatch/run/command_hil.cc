@@ -96,7 +96,8 @@ class Session {
     if (!options_.faults.empty())
       faults_.emplace(hil::load_faults(options_.faults, scenario_), simulation_->get_sensors().size());
     connect();
-    header_.has_received = faults_ || has_held_sensors();
+    header_.has_received =
+        hil::shows_received(scenario_, faults_ ? hil::SensorsShown::kAlsoReceived : hil::SensorsShown::kAsScenario);
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
     if (hosted_) hosted_->stop();
@@ -112,12 +113,6 @@ class Session {
   static constexpr std::size_t kCapacityOut = 1024;  // messages
   static constexpr int kLooksPerSecond = 100;
   static constexpr std::int64_t kListen_ns = 250'000'000;  // a simulator says Hello every tenth of a second
-
-  // Sensors with a rate of their own: flight software has the values as last sampled.
-  [[nodiscard]] bool has_held_sensors() const {
-    return std::ranges::any_of(scenario_.rates.groups,
-                               [](const hil::RateGroup& group) { return !group.sensors.empty(); });
-  }
 
   void open_tick_source() {
     if (options_.pace != hil::Pace::kRealtime) return;
