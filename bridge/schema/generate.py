@@ -13,6 +13,7 @@ sys.dont_write_bytecode = True  # a check leaves nothing behind
 import emit_c
 import emit_cpp
 import emit_docs
+import emit_fields
 import emit_idl
 import emit_layout
 import emit_lcm
@@ -37,6 +38,7 @@ def main(arguments):
         HERE / "unlatch.idl": emit_idl.idl(definition),
         HERE / "unlatch_wire.h": emit_c.header(definition),
         HERE / "dds_layout.h": emit_layout.header(definition),
+        ROOT / "bridge/telemetry/message_fields.h": emit_fields.header(definition),
         HERE / "README.md": emit_docs.readme(definition),
         ROOT / "bridge/CLIENTS.md": emit_docs.clients(definition, (ROOT / "bridge/CLIENTS.md").read_text(encoding="utf-8")),
         **{HERE / "lcm" / f"{s.snake()}.lcm": emit_lcm.lcm(definition, s) for s in definition.structs},

@@ -11,5 +11,6 @@ void add_linearize(Command app, int& exit_code);
 void add_preflight(Command app, int& exit_code);
 void add_watch(Command app, int& exit_code);
 void add_log(Command app, int& exit_code);
+void add_telemetry(Command app, int& exit_code);
 
 }  // namespace unlatch::tools
