@@ -10,11 +10,12 @@
 namespace unlatch {
 namespace {
 
-// Largest parts, in 1 / rate: of a blow, of a slip that decays, of a vibration that is small beside the depth, and of
-// all closed pairs together, whose rates add up where they hold one body (RK4 is stable to 2.8).
-constexpr double kBlow = 0.2, kSlip = 1.0, kSettled = 1.0, kStable = 2.0;
+// Largest parts, in 1 / rate: of a blow, of a vibration that is small beside the depth, and of all closed pairs
+// together, whose rates add up where they hold one body (RK4 is stable to 2.8).
+constexpr double kBlow = 0.2, kSettled = 1.0, kStable = 2.0;
 
-// Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay; and the parts per second that it needs.
+// Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay at the least slip of the part; and the
+// parts per second that it needs.
 struct PairRates {
   double omega = 0, damping = 0, slip = 0, parts = 0;
 };
@@ -62,16 +63,22 @@ Blow calc_blow(const PlanContact& contact, double energy, double scale) {
   return {k * depth * root, 1.5 * k * root};
 }
 
-// Speed at which a pair closes within the step, m/s: the present one, and what it gains in the step.
-double calc_approach(const PlanData& plan, const ClosedPair& pair, const PlanShapes& base, const BodyFrame& at_base,
-                     const PlanShapes& follower, const BodyFrame& at_follower, const Evaluation& ev) {
-  const auto calc_acceleration = [&](const PlanShapes& shapes, const BodyFrame& body) {
+// Acceleration of the follower's material at a pair, seen from the base's, W, m/s². 0 where accelerations of markers
+// are not known before the readings.
+Vec3 calc_acceleration(const PlanData& plan, const ClosedPair& pair, const PlanShapes& base, const BodyFrame& at_base,
+                       const PlanShapes& follower, const BodyFrame& at_follower, const Evaluation& ev) {
+  if (!plan.rigid) return {0, 0, 0};
+  const auto calc = [&](const PlanShapes& shapes, const BodyFrame& body) {
     const Spatial a = get_acceleration(shapes, ev);
     return a.lin + cross(a.ang, pair.point - body.p);
   };
-  if (!plan.rigid) return std::abs(pair.rate);  // accelerations of markers are not known before the readings
-  const Vec3 gained = calc_acceleration(base, at_base) - calc_acceleration(follower, at_follower);
-  return std::abs(pair.rate) + std::max(0.0, dot(pair.normal, gained)) * plan.options.dt;
+  return calc(follower, at_follower) - calc(base, at_base);
+}
+
+// The change of the slip within the longest part, m/s, whichever way it goes: as large as the slip that may be left at
+// the part's end, or as v_s. So it resolves the law's bend at v_s, through which a slip reverses, before it gets there.
+double calc_slip_change(double slip, double slip_speed) {
+  return slip > slip_speed ? 0.5 * (slip + slip_speed * slip_speed / slip) : slip_speed;
 }
 
 // `i`: number of the pair.
@@ -86,7 +93,10 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
   const double along_normal = calc(pair.normal);
   PairRates out;
   if (!(along_normal > 0)) return out;
-  const double approach = calc_approach(plan, pair, a, base, b, follower, ev);
+  const Vec3 relative = calc_acceleration(plan, pair, a, base, b, follower, ev);
+  // the speed at which it closes within the step: the present one, and what it gains in the step
+  const double gained = -dot(pair.normal, relative);
+  const double approach = std::abs(pair.rate) + std::max(0.0, gained) * plan.options.dt;
   const double energy = scale * calc_stored(contact, pair.depth) + 0.5 * approach * approach / along_normal;
   if (!(energy > 0)) return out;
   const Blow blow = calc_blow(contact, energy, scale);
@@ -96,13 +106,15 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
     const Vec3 helper = std::abs(pair.normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 across = cross(pair.normal, helper), t = (1 / norm(across)) * across;
     const double along = std::max(calc(t), calc(cross(pair.normal, t)));
-    const double slip = std::sqrt(dot(pair.slip, pair.slip) + contact.slip_speed * contact.slip_speed);
-    out.slip = contact.friction * blow.force * along / slip;
+    const double change = calc_slip_change(norm(pair.slip), contact.slip_speed);
+    const double braking = contact.friction * blow.force * along;  // m/s²
+    out.slip = braking / change;
+    out.parts = std::max(braking, norm(relative + gained * pair.normal)) / change;
   }
   const double fast = std::max(out.omega, out.damping);
   const bool needs_parts = fast * plan.options.dt > kBlow;
   const double longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : kBlow;
-  out.parts = std::max(fast / longest, out.slip / kSlip);
+  out.parts = std::max(fast / longest, out.parts);
   return out;
 }
 

@@ -6,7 +6,8 @@
 //
 //   blow      √(dF/dδ · m⁻¹) at the depth that the present depth and approach speed lead to: k δⁿ⁺¹/(n + 1) = elastic
 //             energy now + ½ m v²; and the damping there, k δⁿ d m⁻¹
-//   friction  μ F m⁻¹ / √(v_t² + v_s²), F the force at that depth
+//   friction  μ F m⁻¹, F the force at that depth, or the present acceleration of the slip, over the slip that may be left
+//             at the part's end
 //
 // A blow is resolved within 0.2 of its rate; a vibration that is a small part of the depth, less finely: what the
 // method errs by is a part of the vibration (THEORY.md).
