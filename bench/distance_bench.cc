@@ -69,7 +69,7 @@ void run_tube(benchmark::State& state, int kind) {
 
 struct FclPair {
   std::shared_ptr<fcl::CollisionGeometryd> a, b;
-  alignas(16) fcl::Transform3d at_a, at_b;  // as in hil/scenario/meshes/mesh_module.cc
+  alignas(16) fcl::Transform3d at_a, at_b;  // as in hil/scenario/shapes/mesh_module.cc
 };
 
 // Shape of a kind that FCL has; its axes are centred.

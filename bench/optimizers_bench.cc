@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/study/optimize/scaled_space.h"
 #include "hil/study/optimize/search.h"
 

@@ -1,4 +1,4 @@
-# Modules: shared libraries that a program loads when it first needs them (hil/scenario/modules/module.h). They lie beside the
+# Modules: shared libraries that a program loads when it first needs them (hil/scenario/base/module.h). They lie beside the
 # programs in the same way in the build folder and where they are installed.
 set(UNLATCH_MODULES ${CMAKE_INSTALL_LIBDIR}/unlatch)
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "hil/run/run.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/text/number_text.h"
 #include "hil/scenario/text/suggestion.h"
 #include "unlatch/quantities.h"

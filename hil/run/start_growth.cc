@@ -3,17 +3,19 @@
 #include <algorithm>
 
 #include "hil/run/run.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr double kChange = 5e-7;  // m, m/s; below the gaps that joints may have at the start
+using Of = StartGrowth::Of;
+
+constexpr double kChange = 5e-7;  // m, m/s, rad, rad/s; below the gaps that joints may have at the start
 constexpr double kBlocked = 0.1;  // part of the change that is left after the first step, unless joints hold it
 
-// Places and velocities of all bodies after the first step, and places at the end.
+// All bodies after the first step, and at the end.
 struct Course {
-  std::vector<Vec3> places, velocities, end;
+  std::vector<BodyState> begin, end;
 };
 
 // Nothing if the run fails, or the changed model is not possible.
@@ -21,32 +23,83 @@ std::optional<Course> fly(const Scenario& scenario, std::int64_t last, const std
   Course course;
   try {
     const auto simulation = build_simulation(scenario);
-    const auto list = [&](std::vector<Vec3>& into, auto BodyState::*member) {
-      for (std::size_t b = 0; b < scenario.model.bodies.size(); ++b)
-        into.push_back(simulation->state().bodies[b].*member);
+    const auto list = [&](std::vector<BodyState>& into) {
+      into.assign(simulation->state().bodies.begin(), simulation->state().bodies.end());
     };
     while (simulation->get_tick() < last) {
       if (interrupted || simulation->step().status != StepStatus::kOk) return std::nullopt;
-      if (!course.places.empty()) continue;
-      list(course.places, &BodyState::p);
-      list(course.velocities, &BodyState::v);
+      if (course.begin.empty()) list(course.begin);
     }
-    list(course.end, &BodyState::p);
+    list(course.end);
   } catch (const std::exception&) {
     return std::nullopt;
   }
   return course;
 }
 
-// The largest distance, and whose it is.
-std::pair<double, std::size_t> find_largest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+// Angle between two attitudes, rad, for small ones.
+double calc_turn(const Quat& a, const Quat& b) {
+  const Quat turn = conjugate(a) * b;
+  return 2 * norm(Vec3{turn.x, turn.y, turn.z});
+}
+
+// Difference of one body between two courses: m, m/s, rad or rad/s.
+double calc_difference(Of of, const BodyState& a, const BodyState& b) {
+  switch (of) {
+    case Of::kPlace:
+      return norm(a.p - b.p);
+    case Of::kVelocity:
+      return norm(a.v - b.v);
+    case Of::kAttitude:
+      return calc_turn(a.q, b.q);
+    case Of::kRate:
+      return norm(a.w - b.w);
+  }
+  return 0;
+}
+
+// The largest difference, and whose it is.
+std::pair<double, std::size_t> find_largest(Of of, const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
   std::pair<double, std::size_t> largest{0, 0};
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (const double distance = norm(a[i] - b[i]); distance > largest.first) largest = {distance, i};
+    if (const double difference = calc_difference(of, a[i], b[i]); difference > largest.first)
+      largest = {difference, i};
   return largest;
 }
 
+void change(Of of, int axis, Body& body) {
+  switch (of) {
+    case Of::kPlace:
+      body.p_WB[axis] += kChange;
+      break;
+    case Of::kVelocity:
+      body.v_WB[axis] += kChange;
+      break;
+    case Of::kAttitude:
+      body.q_WB =
+          Eigen::Quaterniond(body.q_WB) * Eigen::Quaterniond(Eigen::AngleAxisd(kChange, Eigen::Vector3d::Unit(axis)));
+      break;
+    case Of::kRate:
+      body.w_WB_B[axis] += kChange;
+      break;
+  }
+}
+
 }  // namespace
+
+const char* get_name(StartGrowth::Of of) {
+  switch (of) {
+    case Of::kPlace:
+      return "place";
+    case Of::kVelocity:
+      return "velocity";
+    case Of::kAttitude:
+      return "attitude";
+    case Of::kRate:
+      return "rate";
+  }
+  return "";
+}
 
 std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, std::int64_t last,
                                                        const std::atomic<bool>& interrupted) {
@@ -59,20 +112,20 @@ std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario,
   std::vector<StartGrowth> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].marker) continue;
-    for (const bool velocity : {false, true}) {
-      StartGrowth worst{.start = bodies[b].name, .end = {}, .velocity = velocity};
+    for (const Of of : {Of::kPlace, Of::kVelocity, Of::kAttitude, Of::kRate}) {
+      const bool over_time = of == Of::kVelocity || of == Of::kRate;
+      const Of at_end = of == Of::kPlace || of == Of::kVelocity ? Of::kPlace : Of::kAttitude;
+      StartGrowth worst{.start = bodies[b].name, .end = {}, .of = of};
       for (int axis = 0; axis < 3; ++axis) {
         Scenario changed = scenario;
-        Body& body = changed.model.bodies[b];
-        (velocity ? body.v_WB : body.p_WB)[axis] += kChange;
+        change(of, axis, changed.model.bodies[b]);
         const std::optional<Course> course = fly(changed, last, interrupted);
         if (interrupted) return std::nullopt;
         if (!course) continue;
-        const double start = velocity ? find_largest(course->velocities, nominal->velocities).first
-                                      : find_largest(course->places, nominal->places).first;
+        const double start = find_largest(of, course->begin, nominal->begin).first;
         if (start < kBlocked * kChange) continue;
-        const auto [distance, whose] = find_largest(course->end, nominal->end);
-        const double factor = distance / (velocity ? start * length : start);
+        const auto [difference, whose] = find_largest(at_end, course->end, nominal->end);
+        const double factor = difference / (over_time ? start * length : start);
         if (factor > worst.factor) worst.factor = factor, worst.end = bodies[whose].name;
       }
       if (worst.factor >= kNotableGrowth) found.push_back(worst);

@@ -1,5 +1,6 @@
 // How much a small change of the start grows: condition numbers of the places at the end with respect to the places and
-// velocities at the start, by one more run per direction, at the scenario's step and without analyses. On rails that a
+// velocities at the start, and of the attitudes at the end with respect to the attitudes and rates at the start, by one
+// more run per direction, at the scenario's step and without analyses. On rails that a
 // body leaves late a metre of offset may become 200 m: then no step makes the result more certain than the start.
 #pragma once
 
@@ -13,7 +14,7 @@
 namespace unlatch::hil {
 
 inline constexpr double kNotableGrowth = 10;
-inline constexpr std::size_t kMostGrowthBodies = 6;  // each costs six runs
+inline constexpr std::size_t kMostGrowthBodies = 6;  // each costs twelve runs
 
 // Factors of at least kNotableGrowth, the largest first; nothing if it was interrupted, or the model has more than
 // kMostGrowthBodies bodies that are no markers. Changes that joints do not allow do not count. `last`: tick of the end.

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch::hil {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/earliest.h"
-#include "hil/scenario/model/index.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch::hil {

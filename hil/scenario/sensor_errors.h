@@ -1,5 +1,5 @@
 // Errors of sensors: what flight software receives instead of the true values. Random numbers are drawn by counters
-// from the seed, the sensor's name and the number of the sample (hil/scenario/random/philox.h): they are the same on
+// from the seed, the sensor's name and the number of the sample (hil/scenario/base/philox.h): they are the same on
 // every machine, in every replay, beside other sensors, and with a step of half the size where the sensor has a period.
 // The errors decide nothing in the step but through flight software.
 //

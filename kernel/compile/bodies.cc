@@ -115,7 +115,7 @@ void mark_blocks(const Model& model, std::span<TreeNode> nodes) {
 
 }  // namespace
 
-void compile_bodies(const Model& model, std::span<TreeNode> nodes, PlanDraft& plan) {
+DraftWithBodies compile_bodies(const Model& model, std::span<TreeNode> nodes, PlanDraft& plan) {
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
   plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses come before modal coordinates and contacts
   std::vector<std::vector<int>> markers(model.bodies.size());
@@ -126,6 +126,7 @@ void compile_bodies(const Model& model, std::span<TreeNode> nodes, PlanDraft& pl
   plan.rigid = plan.flexible.empty() && plan.varying.empty();
   place_flexible(nodes, plan);
   mark_blocks(model, nodes);
+  return {plan};
 }
 
 }  // namespace unlatch

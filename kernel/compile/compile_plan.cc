@@ -26,24 +26,6 @@
 namespace unlatch {
 namespace {
 
-void link_conditions(PlanDraft& plan, ElementCompiler& compiler) {
-  for (PlanCondition& c : plan.conditions)
-    if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
-        c.kind == Condition::Kind::kSpeed)
-      c.subject = compiler.find_coordinate(c.subject, c.axis);
-}
-
-// Links quantities to what they read: coordinates, the times of events. Coordinates of conditions that guards read
-// without a quantity come before theirs.
-void link_quantities(PlanDraft& plan, ElementCompiler& compiler) {
-  for (PlanQuantity& quantity : plan.quantities) {
-    const QuantityTraits& traits = get_traits(quantity.kind);
-    if ((traits.reads & kReadsCoordinate) != 0)
-      quantity.coordinate = compiler.find_coordinate(quantity.subject, quantity.part);
-    if (traits.of == SubjectOf::kEvent) plan.events[at(quantity.subject)].timed = true;
-  }
-}
-
 // Places of the multipliers that guards read.
 void place_multipliers(const LaidOutDraft& draft) {
   PlanDraft& plan = draft.plan;
@@ -64,23 +46,6 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) 
           first_mode,
           static_cast<std::int32_t>(joint.mode),
           joint.universal};
-}
-
-// Axes by which rotations are measured, and their initial angles, from which turns are counted.
-void init_angles(const Model& model, PlanDraft& plan) {
-  for (PlanCoordinate& c : plan.coordinates) {
-    if (c.row < kRotX) continue;
-    const Joint& joint = model.joints[at(c.joint)];
-    const RotationFrame frame = get_rotation_frame(model, joint);
-    const Mat3 base = to_mat(frame.base), follower = to_mat(frame.follower);
-    const int own = c.row - kRotX;
-    for (int k = 0; k < 2; ++k) {
-      c.across_base[k] = column(base, (own + 1 + k) % 3);
-      c.across_follower[k] = column(follower, (own + 1 + k) % 3);
-    }
-    c.initial = calc_twist(to_mat(get_attitude(model, joint.base)) * base,
-                           to_mat(get_attitude(model, joint.follower)) * follower, own);
-  }
 }
 
 // Per joint, the axes of the springs in `chosen`.
@@ -120,9 +85,26 @@ std::vector<ModelError> compile_compliance(const Model& model, const std::vector
   return errors;
 }
 
-// All elements, numbered in the order of kinds.h.
-void compile_elements(const Model& model, ElementCompiler& compiler) {
-  PlanDraft& plan = compiler.plan;
+// What reads quantities: guards and sensors.
+struct DraftWithReaders {
+  PlanDraft& plan;
+};
+
+DraftWithReaders compile_readers(const Model& model, const DraftWithQuantities& draft) {
+  PlanDraft& plan = draft.plan;
+  compile_events(model, draft);
+  for (const Sensor& sensor : model.sensors) {
+    const Quantity quantity = get_quantity(model, sensor);
+    plan.sensors.push_back({add_quantity(quantity, plan), plan.sensor_count, quantity.part == Quantity::kAll});
+    plan.sensor_count += sensor_width(sensor.kind);
+  }
+  return {plan};
+}
+
+// All elements, numbered in the order of kinds.h. The compiler that is returned knows the coordinates that forces read.
+ElementCompiler compile_elements(const Model& model, const DraftWithBodies& draft) {
+  PlanDraft& plan = draft.plan;
+  ElementCompiler compiler(model, plan);
   for_each_kind([&]<class Kind>(Kind) {
     for (const auto& item : Kind::of(model)) {
       plan.element_scales.push_back(item.on ? 1 : 0);
@@ -132,23 +114,50 @@ void compile_elements(const Model& model, ElementCompiler& compiler) {
     if constexpr (!std::is_same_v<Kind, LoadKind>) plan.pair_forces = plan.pair_forces || !Kind::of_plan(plan).empty();
   });
   compile_laws(model, compiler);
-  // Every stage needs the coordinates up to here: those that forces read, and laws that forces read. Conditions and
-  // sensors add theirs later.
+  // Every stage needs the coordinates up to here: those that forces read, and laws that forces read.
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
+  return compiler;
+}
+
+// Axes by which rotations are measured, and their initial angles, from which turns are counted.
+void init_angles(const Model& model, PlanDraft& plan) {
+  for (PlanCoordinate& c : plan.coordinates) {
+    if (c.row < kRotX) continue;
+    const Joint& joint = model.joints[at(c.joint)];
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    const Mat3 base = to_mat(frame.base), follower = to_mat(frame.follower);
+    const int own = c.row - kRotX;
+    for (int k = 0; k < 2; ++k) {
+      c.across_base[k] = column(base, (own + 1 + k) % 3);
+      c.across_follower[k] = column(follower, (own + 1 + k) % 3);
+    }
+    c.initial = calc_twist(to_mat(get_attitude(model, joint.base)) * base,
+                           to_mat(get_attitude(model, joint.follower)) * follower, own);
+  }
+}
+
+// Behind the coordinates that forces read, those of guards and sensors; what guards and sensors are linked to; where
+// the angles of all coordinates begin.
+void link_readers(const Model& model, const DraftWithReaders& draft, ElementCompiler compiler) {
+  PlanDraft& plan = draft.plan;
+  for (PlanCondition& c : plan.conditions)
+    if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
+        c.kind == Condition::Kind::kSpeed)
+      c.subject = compiler.find_coordinate(c.subject, c.axis);
+  for (PlanQuantity& quantity : plan.quantities) {
+    const QuantityTraits& traits = get_traits(quantity.kind);
+    if ((traits.reads & kReadsCoordinate) != 0)
+      quantity.coordinate = compiler.find_coordinate(quantity.subject, quantity.part);
+    if (traits.of == SubjectOf::kEvent) plan.events[at(quantity.subject)].timed = true;
+  }
+  plan.commanded_events = plan.commanded_loads || has_commanded_guards(plan);
+  init_angles(model, plan);
 }
 
 void compile_impulses(const Model& model, PlanDraft& plan) {
   for (const Impulse& i : model.impulses)
     plan.impulses.push_back(
         {i.body, i.channel, i.frame == Load::Frame::kWorld, to_vec(i.point), to_vec(i.linear), to_vec(i.angular)});
-}
-
-void compile_sensors(const Model& model, PlanDraft& plan) {
-  for (const Sensor& sensor : model.sensors) {
-    const Quantity quantity = get_quantity(model, sensor);
-    plan.sensors.push_back({add_quantity(quantity, plan), plan.sensor_count, quantity.part == Quantity::kAll});
-    plan.sensor_count += sensor_width(sensor.kind);
-  }
 }
 
 void check_options(const Model& model, const PlanOptions& options, std::vector<ModelError>& errors) {
@@ -173,24 +182,17 @@ std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
   return compile_compliance(model, stiff, plan);
 }
 
-// Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a comment says so.
+// Second phase: bodies, joints, elements, events and sensors, by number. What a part needs of another is an argument.
 void compile_parts(const Model& model, PlanDraft& plan) {
-  compile_bodies(model, plan.nodes, plan);
-  compile_quantities(model, plan);  // before conditions and sensors add theirs
-  compile_events(model, plan);
-  compile_impulses(model, plan);
+  const DraftWithBodies bodies = compile_bodies(model, plan.nodes, plan);
   for (const Joint& joint : model.joints) {
     plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
   }
   compile_surfaces(model, plan);
-  ElementCompiler compiler(model, plan);
-  compile_elements(model, compiler);  // after the bodies, whose auxiliary states come first
-  link_conditions(plan, compiler);    // after compile_events()
-  plan.commanded_events = plan.commanded_loads || has_commanded_guards(plan);
-  compile_sensors(model, plan);
-  link_quantities(plan, compiler);
-  init_angles(model, plan);  // of all coordinates: after the last of them was found
+  compile_impulses(model, plan);
+  const DraftWithReaders readers = compile_readers(model, compile_quantities(model, plan));
+  link_readers(model, readers, compile_elements(model, bodies));
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
   CompiledEnvironment environment = compile_environment(model.environment);
   plan.environment = environment.numbers;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "kernel/compile/quantities.h"
-
 namespace unlatch {
 namespace {
 
@@ -56,7 +54,8 @@ bool is_switch(const Model& model, const Condition& c) {
 
 }  // namespace
 
-void compile_events(const Model& model, PlanDraft& plan) {
+void compile_events(const Model& model, const DraftWithQuantities& draft) {
+  PlanDraft& plan = draft.plan;
   for (const Event& event : model.events) {
     Condition when = event.when;
     const bool all = when.kind == Condition::Kind::kAll &&

@@ -14,9 +14,10 @@ std::int32_t add_quantity(const Quantity& quantity, PlanDraft& plan) {
   return static_cast<std::int32_t>(plan.quantities.size()) - 1;
 }
 
-void compile_quantities(const Model& model, PlanDraft& plan) {
+DraftWithQuantities compile_quantities(const Model& model, PlanDraft& plan) {
   for (const Quantity& quantity : model.quantities) add_quantity(quantity, plan);
   plan.quantity_count = static_cast<std::int32_t>(plan.quantities.size());
+  return {plan};
 }
 
 }  // namespace unlatch

@@ -6,11 +6,14 @@
 
 namespace unlatch {
 
-// Appends a quantity to PlanData::quantities; returns its place. link_quantities() of compile_plan.cc finds the
+// Appends a quantity to PlanData::quantities; returns its place. link_readers() of compile_plan.cc finds the
 // coordinate that it reads.
 std::int32_t add_quantity(const Quantity& quantity, PlanDraft& plan);
 
-// The model's quantities: the first of the plan.
-void compile_quantities(const Model& model, PlanDraft& plan);
+// A draft whose first quantities are the model's; conditions and sensors add theirs behind them.
+struct DraftWithQuantities {
+  PlanDraft& plan;
+};
+DraftWithQuantities compile_quantities(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -141,9 +141,9 @@ EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
   return out;
 }
 
-Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& workspace) noexcept {
+AuditFrame calc_audit_frame(const Plan& owner, const State& state, const Workspace& workspace) noexcept {
   const PlanData& plan = get_data(owner);
-  if (is_grounded(plan, state, plan.get_time(state.header->tick))) return {0, 0, 0};
+  if (is_grounded(plan, state, plan.get_time(state.header->tick))) return {.grounded = true};
   Vec3 momentum = {0, 0, 0};
   double mass = 0;
   const Evaluation& ev = get_data(workspace).kept.evaluation;
@@ -156,7 +156,7 @@ Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& wo
     mass += own;
     momentum += own * state.bodies[b].v;
   }
-  return (1 / mass) * momentum;
+  return {.grounded = false, .velocity = (1 / mass) * momentum};
 }
 
 double calc_drift(const Plan& plan, const State& state, const Workspace& workspace) noexcept {

@@ -37,4 +37,17 @@ PassedCorner find_corner(const PlanData& plan, double begin, double end, std::sp
   return found;
 }
 
+bool passes_and_returns(const PlanData& plan, std::span<const double> at_begin, std::span<const double> in_middle,
+                        std::span<const double> at_end) noexcept {
+  for (const PlanCorner& corner : plan.laws.corners) {
+    const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)], m = in_middle[at(corner.place)];
+    const double low = std::min(a, b), high = std::max(a, b);
+    if (!(m > high || m < low)) continue;
+    const double* const knots = &plan.laws.numbers[at(corner.knots)];
+    const double* const knot = std::upper_bound(knots, knots + corner.count, m > high ? high : m);
+    if (knot != knots + corner.count && *knot < (m > high ? m : low)) return true;
+  }
+  return false;
+}
+
 }  // namespace unlatch

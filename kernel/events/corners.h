@@ -21,4 +21,9 @@ struct PassedCorner {
 PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
                          std::span<const double> at_end) noexcept;
 
+// True if some place goes beyond a corner and is back at the end of the sub-step, as its values in the middle show: the
+// chord between both ends does not. What is over before the middle, or begins behind it, is not seen.
+bool passes_and_returns(const PlanData& plan, std::span<const double> at_begin, std::span<const double> in_middle,
+                        std::span<const double> at_end) noexcept;
+
 }  // namespace unlatch

@@ -213,14 +213,19 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
 
 // --- Corners of laws -------------------------------------------------------------------------------------------------
 
+// False, and reported, if the step has been split at as many corners as it may be.
+bool may_split_at_corner(Run& run) {
+  const bool may = run.search().corners < kMostCornerSplits;
+  ++(may ? run.search().corners : run.report.open.corners);
+  return may;
+}
+
 // The time of the first corner that the chords up to `end` show, of which the evaluation is; `end` if there is none, or
 // kFailed. The evaluation is of that time, guards_high too.
 [[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end) {
   EventSearch& s = run.search();
-  if (s.corners >= kMostCornerSplits) return end;
   const PassedCorner corner = find_corner(run.plan, start.t, end, s.places_low, run.ev().law_places);
-  if (corner.place == kNone) return end;
-  ++s.corners;
+  if (corner.place == kNone || !may_split_at_corner(run)) return end;
   const double side = run.ev().law_places[at(corner.place)] > s.places_low[at(corner.place)] ? 1 : -1;
   const auto calc_guard = [&](std::span<const double> places) {
     return side * (places[at(corner.place)] - corner.knot);
@@ -246,12 +251,23 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
 }
 
 // The time of the first corner up to `end`, likewise. The chords of a whole sub-step do not show a corner from which a
-// law comes back within it, so the part up to a corner that was found is searched again until it has none.
+// law comes back within it, so the part up to a corner that was found is searched again until it has none, and ends in
+// the middle if a law has gone and come back there.
 [[gnu::noinline]] double find_first_corner_time(Run& run, const SubstepStart& start, double end) {
+  const EventSearch& s = run.search();
   for (int i = 0; i < kMostCornerSplits; ++i) {
     const double reached = find_corner_time(run, start, end);
-    if (reached == kFailed || reached >= end) return reached;
-    end = reached;
+    if (reached == kFailed) return reached;
+    if (reached < end) {
+      end = reached;
+    } else {
+      if (!passes_and_returns(run.plan, s.places_low, run.ev().middle_places, run.ev().law_places) ||
+          !may_split_at_corner(run))
+        return end;
+      end = 0.5 * (start.t + end);
+      if (!try_substep(run, start, end)) return kFailed;
+      keep_high(run);
+    }
   }
   return end;
 }

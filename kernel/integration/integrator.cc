@@ -1,5 +1,7 @@
 #include "kernel/integration/integrator.h"
 
+#include <algorithm>
+
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
@@ -110,6 +112,10 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   return kNone;
 }
 
+void keep_middle_places(Evaluation& ev) {
+  std::copy_n(ev.law_places.begin(), ev.middle_places.size(), ev.middle_places.begin());
+}
+
 int integrate_explicitly(const Instant& middle, const Instant& end, const SubstepStart& start, Evaluation& ev) {
   const PlanData& plan = end.plan;
   const Kernels& kernels = get_kernels(plan);
@@ -119,6 +125,7 @@ int integrate_explicitly(const Instant& middle, const Instant& end, const Subste
   if (const int node = evaluate_stage(middle, Loads::kUpdate, start, ev); node != kNone) return node;
   kernels.advance_stage(plan, ev, kInner, 0.5 * h);
   if (const int node = evaluate_stage(middle, Loads::kKeep, start, ev); node != kNone) return node;
+  if (!plan.laws.corners.empty()) keep_middle_places(ev);
   kernels.advance_stage(plan, ev, kInner, h);
   if (const int node = evaluate_stage(end, Loads::kUpdate, start, ev); node != kNone) return node;
   kernels.finish_stages(plan, ev, kOuter, h);
@@ -134,6 +141,7 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
   kernels.restart(plan, ev);
   const Instant first_stage{plan, now.inputs, now.state, start.t, first};
   if (const int node = evaluate_stage(first_stage, Loads::kUpdate, start, ev); node != kNone) return node;
+  if (!plan.laws.corners.empty()) keep_middle_places(ev);  // it has no stage in the middle: those of the beginning
   lead_modal_rates(plan, first, ev);
   kernels.finish_first_stage(plan, ev, h, first.gamma_h);
   const Implicit second = begin_second_stage(plan, first, ev);

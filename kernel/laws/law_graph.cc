@@ -1,9 +1,12 @@
 #include "kernel/laws/law_graph.h"
 
+#include <algorithm>
+
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/math/index.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/model/law_places.h"
+#include "unlatch/readings.h"
 
 namespace unlatch {
 namespace {
@@ -28,6 +31,14 @@ std::vector<int> list_laws_read(const Model& model, const Law& law) {
     if (step.kind == LawStep::Kind::kQuantity && model.quantities[at(step.subject)].kind == Quantity::Kind::kLaw)
       read.push_back(model.quantities[at(step.subject)].subject);
   return read;
+}
+
+// Marks all laws that marked laws read, directly or through others. `order`: LawGraph::order.
+void mark_laws_read(const Model& model, const std::vector<int>& order, std::vector<bool>& marks) {
+  for (std::size_t i = order.size(); i-- > 0;)  // each before those that it reads
+    if (marks[at(order[i])])
+      for (const int read : list_laws_read(model, model.laws[at(order[i])]))
+        if (read >= 0 && at(read) < marks.size()) marks[at(read)] = true;
 }
 
 // Depth first, without recursion, which a long chain of laws would make deep. False if a law depends on itself.
@@ -114,15 +125,31 @@ std::span<const double> get_law_places(const Workspace& workspace) noexcept {
 LawGraph build_law_graph(const Model& model) {
   LawGraph graph = Sorter(model).sort();
   graph.driving.assign(model.laws.size(), false);
-  const LawLister lister{graph.driving};
   for_each_kind([&](auto kind) {
-    for (auto item : kind.of(model)) kind.shift(item, lister);
+    for (auto item : kind.of(model)) kind.shift(item, LawLister{graph.driving});
   });
-  for (std::size_t i = graph.order.size(); i-- > 0;)  // each before those that it reads
-    if (graph.driving[at(graph.order[i])])
-      for (const int read : list_laws_read(model, model.laws[at(graph.order[i])]))
-        if (read >= 0 && at(read) < graph.driving.size()) graph.driving[at(read)] = true;
+  mark_laws_read(model, graph.order, graph.driving);
   return graph;
+}
+
+std::vector<std::vector<int>> list_bodies_of_laws(const Model& model) {
+  const std::vector<int> order = build_law_graph(model).order;
+  std::vector<std::vector<int>> bodies(model.laws.size());
+  int element = 0;
+  std::vector<bool> marks;
+  for_each_kind([&](auto kind) {
+    for (auto item : kind.of(model)) {
+      marks.assign(model.laws.size(), false);
+      kind.shift(item, LawLister{marks});
+      mark_laws_read(model, order, marks);
+      const std::vector<int> own = list_element_bodies(model, element++);
+      for (std::size_t i = 0; i < marks.size(); ++i)
+        if (marks[i])
+          for (const int body : own)
+            if (std::ranges::find(bodies[i], body) == bodies[i].end()) bodies[i].push_back(body);
+    }
+  });
+  return bodies;
 }
 
 }  // namespace unlatch

@@ -52,6 +52,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.laws, plan.laws.list.size());
   arena.take(ev.law_operands, plan.laws.operands.size());
   arena.take(ev.law_places, static_cast<std::size_t>(plan.law_numbers.places));
+  arena.take(ev.middle_places, plan.laws.corners.empty() ? 0 : static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(ev.table_exits, plan.laws.tables.size());
   arena.take(ev.friction_sizes, plan.frictions.size());
   arena.take(ev.varying, plan.varying.size());
@@ -122,7 +123,8 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
   for (TableExit& exit : ev.table_exits) exit = {};
-  for (double& place : ev.law_places) place = 0;
+  for (const std::span<double> places : {ev.law_places, ev.middle_places})
+    for (double& place : places) place = 0;
   for (double& tolerance : data_->exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};

@@ -173,6 +173,7 @@ struct Evaluation {
   std::span<double> laws;            // per law
   std::span<double> law_operands;    // as PlanLaws::operands
   std::span<double> law_places;      // as PlanLawStep::place
+  std::span<double> middle_places;   // those in the middle of the latest sub-step, by its stages; none without corners
   std::span<TableExit> table_exits;  // per table
 
   // computed by begin_compliance() and begin_second_stage()

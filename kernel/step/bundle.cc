@@ -182,7 +182,10 @@ class SideBySide {
         return false;
     if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
     if (!own.laws.corners.empty() &&
-        find_corner(own, begin_, end_, get_places(m, search_.places_low), get_places(m, ev_.law_places)).place != kNone)
+        (find_corner(own, begin_, end_, get_places(m, search_.places_low), get_places(m, ev_.law_places)).place !=
+             kNone ||
+         passes_and_returns(own, get_places(m, search_.places_low), get_places(m, ev_.middle_places),
+                            get_places(m, ev_.law_places))))
       return false;
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "hil/run/recording/log_file.h"
+#include "hil/scenario/base/module.h"
 #include "hil/scenario/language/scenario_sources.h"
-#include "hil/scenario/modules/module.h"
 
 namespace unlatch::library {
 namespace {

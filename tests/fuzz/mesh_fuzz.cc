@@ -1,5 +1,5 @@
 // Files of triangles: STL, OBJ, and the text of recordings. The first byte selects the format.
-#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/shapes/mesh_file.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

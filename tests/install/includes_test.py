@@ -11,11 +11,11 @@ MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "environment", "plan", "joints", "elements", "dynamics", "quantities", "laws", "tree",
           "compile", "solver", "dispatch", "integration", "events", "step", "images",
           "targets", "targets/ports")  # lowest first
-HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/random", "scenario/flexible", "scenario/meshes",
-       "scenario/model", "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
+HIL = ("scenario/base", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/flexible",
+       "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
        "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/sampling",
        "study/statistics", "study/evaluation", "study/campaign", "study/campaign/samples", "study/optimize/problem",
-       "study/optimize/libraries", "study/optimize")  # lowest first
+       "study/optimize")  # lowest first
 HIL_GROUPS = ("scenario", "run", "session", "study")
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first
 TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "optimize",

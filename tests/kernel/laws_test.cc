@@ -416,6 +416,39 @@ TEST(Laws, ThatComeBackWithinAStepAreSplitAtAllTheirCorners) {
   EXPECT_NEAR(s.state.bodies[0].v.x, kForce * kHalf / kMass, 1e-12);
 }
 
+// A parabola that is positive for 6 ms inside of a step: nothing at the ends of the step shows it.
+TEST(Laws, OfABumpInTheMiddleOfAStepAreSplitAtItsEnds) {
+  constexpr double kTop = 0.5045, kHalf = 0.003, kCurve = 1e6, kMass = 2;
+  const std::vector<LawStep> since{quantity(1), constant(-kTop), step_of(Kind::kAdd)};
+  std::vector<LawStep> law{constant(0), constant(kCurve * kHalf * kHalf)};
+  law.insert(law.end(), since.begin(), since.end());
+  law.insert(law.end(), since.begin(), since.end());
+  for (const LawStep& step : {step_of(Kind::kMultiply), constant(-kCurve), step_of(Kind::kMultiply),
+                              step_of(Kind::kAdd), step_of(Kind::kMax)})
+    law.push_back(step);
+  Model model = build_pushed(law);
+  Quantity time;
+  time.name = "time";
+  model.quantities.push_back(time);
+  Simulation s(model, {.dt = 0.01});
+  for (int i = 0; i < 60; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+  EXPECT_NEAR(s.state.bodies[0].v.x, 4.0 / 3 * kCurve * kHalf * kHalf * kHalf / kMass, 1e-12);
+}
+
+TEST(Laws, WithMoreCornersInAStepThanItMayBeSplitAtAreReported) {
+  std::vector<LawStep> law{constant(0)};
+  for (int i = 1; i <= 12; ++i)
+    for (const LawStep& step :
+         {quantity(1), constant(-0.0101 - 0.0007 * i), step_of(Kind::kAdd), step_of(Kind::kAbs), step_of(Kind::kAdd)})
+      law.push_back(step);
+  Model model = build_pushed(law);
+  Quantity time;
+  time.name = "time";
+  model.quantities.push_back(time);
+  Simulation s(model, {.dt = 0.01});
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(s.advance().open.corners > 0, i == 1) << i;
+}
+
 TEST(Laws, OfATableThatIsFinerThanTheStepSplitNothing) {
   std::vector<double> knots;
   for (int i = 0; i <= 1000; ++i) knots.push_back(0.001 * i);

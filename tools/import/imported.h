@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/model/from_eigen.h"
+#include "hil/scenario/base/from_eigen.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::tools {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 
 namespace unlatch::tools {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/text/base64.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"

@@ -7,7 +7,7 @@
 #include "bridge/core/port.h"
 #include "hil/run/recording/log_file.h"
 #include "hil/run/simulation/simulation.h"
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/study/optimize/evaluations.h"
 #include "tools/common/output.h"
 #include "tools/modes/calculix.h"

@@ -41,14 +41,18 @@ struct AccuracyEntry {
   [[nodiscard]] double get_relative() const { return value.size > 0 ? error / value.size : 0; }
 };
 
-// Of one body's start the change that grows most, and the body whose place at the end changes most by it.
+// Of one body's start the change that grows most, and the body that changes most by it at the end: in its place by
+// places and velocities, in its attitude by attitudes and rates.
 struct StartGrowth {
+  enum class Of { kPlace, kVelocity, kAttitude, kRate };
+
   std::string start, end;  // bodies
-  bool velocity = false;   // of the start: a velocity, otherwise a place
-  // Change of the place at the end over that of the start: of a place m per m; of a velocity, over what it makes in the
-  // time of the run without any force. 1 in free motion.
+  Of of = Of::kPlace;      // what is changed at the start
+  // Change at the end over that of the start: of places m per m, of attitudes rad per rad; of velocities and rates,
+  // over what they make in the time of the run without any force or torque. 1 in free motion, of a sphere's attitude.
   double factor = 0;
 };
+const char* get_name(StartGrowth::Of of);  // "place"
 
 struct AccuracyReport {
   std::vector<AccuracyEntry> entries;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/base/index.h"
+
 namespace unlatch::hil {
 
 RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request)
@@ -14,7 +16,8 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       peaks_(scenario.model.joints.size()),
       requirements_(scenario, clearance_, contacts_),
       separations_(scenario, request.pushes),
-      accuracy_(scenario, simulation, request.accuracy) {
+      accuracy_(scenario, simulation, request.accuracy),
+      unseen_clearances_(scenario) {
   simulation.keep_motion();
 }
 
@@ -23,6 +26,7 @@ void RunAnalysis::update(const StepReport& report, std::span<const LogReceived> 
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   search.postponed += report.postponed;
   search.unlocated += report.open.unlocated;
+  search.corners += report.open.corners;
   search.unseen += report.open.unseen;
 
   if (request_.redundancy) update_shared(report);
@@ -75,6 +79,8 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       if (request_.reactions) peaks_.add(from, to, window_.is_smooth());
       requirements_.add_piece(window_, from, to);
       separations_.add_piece(window_, from, to);
+      for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
+        if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
       continue;
     }
     contacts_.add_events(from, to);

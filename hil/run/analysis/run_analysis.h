@@ -16,6 +16,7 @@
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/motion_window.h"
+#include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/notices.h"
 #include "hil/run/recording/log_format.h"
 #include "hil/run/simulation/simulation.h"
@@ -48,6 +49,7 @@ struct SharedReactions {
 struct SearchTotals {
   std::int64_t postponed = 0;  // instants of events that were left to a later tick
   std::int64_t unlocated = 0;  // instants of events that are less accurate than the tolerance of the search
+  std::int64_t corners = 0;    // corners of laws at which a step was not split
   std::int64_t unseen = 0;     // cases in which shapes may have touched and separated within a step
 };
 
@@ -97,6 +99,7 @@ class RunAnalysis {
   RequirementMonitor requirements_;
   SeparationMonitor separations_;
   NoticeWatch accuracy_;
+  UnseenClearances unseen_clearances_;
 };
 
 // Returns the tick nearest to a time.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/scenario/model/from_eigen.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/from_eigen.h"
+#include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {

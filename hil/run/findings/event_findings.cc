@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "hil/run/findings/finding_parts.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/earliest.h"
-#include "hil/scenario/model/index.h"
 
 namespace unlatch::hil {
 namespace {

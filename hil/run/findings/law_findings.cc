@@ -4,7 +4,7 @@
 
 #include "hil/run/findings/finding_parts.h"
 #include "hil/run/notices/format.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/model.h"
 
 namespace unlatch::hil {

@@ -8,7 +8,7 @@
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/contacts.h"
 #include "unlatch/redundancy.h"
 

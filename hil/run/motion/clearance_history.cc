@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/scenario/model/index.h"
+#include "hil/run/motion/shape_dips.h"
+#include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr double kTie = 1e-6;        // m: a distance that changes less is reported as constant
-constexpr double kRounding = 1e-13;  // relative to the size of a pair: shallower dips are rounding
+constexpr double kTie = 1e-6;  // m: a distance that changes less is reported as constant
 // Relative to the size of a pair: motions of rigidly joined bodies, which change the distance by no more than its
 // error.
 constexpr double kStill = 1e-10;
@@ -53,27 +53,12 @@ void ClearanceHistory::refresh_rate(std::size_t pair) const {
   if (piece.to > piece.from) now_[pair].rate = (now_[pair].now - before) / (piece.to - piece.from);
 }
 
-ClearanceHistory::Place ClearanceHistory::get_place(const BodyState& body, const Spatial& acceleration) {
-  const geometry::Placement at = to_placement(body);
-  return {at, body.v, at.R_WB * body.w, acceleration};
-}
-
-ClearanceHistory::Relative ClearanceHistory::calc_relative(std::size_t pair, const Place& a, const Place& b) const {
-  const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
-  const Place &seen = reach.of_b ? b : a, &from = reach.of_b ? a : b;
-  const Vec3 arm = seen.at.R_WB * reach.centre, between = (seen.at.p_WB + arm) - from.at.p_WB;
-  const Vec3 turn = seen.w - from.w;
-  const Vec3 v = ((seen.v + cross(seen.w, arm)) - from.v) - cross(from.w, between);
-  const Mat3 &R = from.at.R_WB, &S = seen.at.R_WB;
-  return {transpose_times(R, between),
-          {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)},
-          norm(v) + reach.bound * norm(turn),
-          norm(seen.acceleration.lin - from.acceleration.lin) +
-              reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
+RelativeMotion ClearanceHistory::calc_relative(std::size_t pair, const MovingBody& a, const MovingBody& b) const {
+  return calc_relative_motion(monitor_.get_reach(pair), a, b);
 }
 
 // Bound on a distance's change.
-double ClearanceHistory::calc_change(std::size_t pair, const Relative& from, const Relative& to) const {
+double ClearanceHistory::calc_change(std::size_t pair, const RelativeMotion& from, const RelativeMotion& to) const {
   return geometry::calc_way(from.centre, from.R, to.centre, to.R, monitor_.get_reach(pair).bound);
 }
 
@@ -102,8 +87,8 @@ bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const 
   return track.value - most > get_limit(pair);
 }
 
-const ClearanceHistory::Place& ClearanceHistory::get_end(const MotionPiece& piece, std::size_t body) {
-  if (!bodies_[body].fresh) places_[body] = get_place(piece.end[body], piece.at_end[body]);
+const MovingBody& ClearanceHistory::get_end(const MotionPiece& piece, std::size_t body) {
+  if (!bodies_[body].fresh) places_[body] = get_moving_body(piece.end[body], piece.at_end[body]);
   bodies_[body].fresh = true;
   return places_[body];
 }
@@ -124,6 +109,7 @@ void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair,
 bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const MotionPiece& piece = window.get_present();
   Track& track = tracks_[pair];
+  track.path = std::numeric_limits<double>::infinity();
   if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
   const bool still = track.idle && !track.stale;  // in the piece before: there the wide bound has no margin
   if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
@@ -134,20 +120,17 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
   const double h = piece.to - piece.from;
   if (!window.is_smooth() || !track.followed) {
-    track.latest =
-        calc_relative(pair, get_place(piece.start[a], piece.at_start[a]), get_place(piece.start[b], piece.at_start[b]));
+    track.latest = calc_relative(pair, get_moving_body(piece.start[a], piece.at_start[a]),
+                                 get_moving_body(piece.start[b], piece.at_start[b]));
     track.moved = calc_change(pair, track.reference, track.latest);
   }
-  const Relative before = track.latest;
+  const RelativeMotion before = track.latest;
   const double moved_before = track.moved;
   track.latest = calc_relative(pair, get_end(piece, a), get_end(piece, b));
   track.followed = true;
   track.moved = calc_change(pair, track.reference, track.latest);
-  // Inside the piece the interpolated motion departs from the knots by less than twice the greater speed times the
-  // step.
-  const double path =
-      2 * std::max(before.speed, track.latest.speed) * h + std::max(before.increase, track.latest.increase) * h * h;
-  const double most = std::max(moved_before, track.moved) + path;
+  track.path = calc_path(before, track.latest, h);
+  const double most = std::max(moved_before, track.moved) + track.path;
   if (most <= kStill * track.size) {
     now_[pair].now = track.value;
     now_[pair].rate = 0;
@@ -168,7 +151,7 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
 }
 
 double ClearanceHistory::get_resolution(int pair) const {
-  return kRounding * monitor_.get_size(static_cast<std::size_t>(pair));
+  return monitor_.get_resolution(static_cast<std::size_t>(pair));
 }
 
 double ClearanceHistory::calc(const MotionWindow& window, int pair, double time) const {
@@ -225,7 +208,7 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     track.turned_a = bodies_[a].turned;
     track.turned_b = bodies_[b].turned;
     const Spatial none{{0, 0, 0}, {0, 0, 0}};
-    track.reference = calc_relative(i, get_place(at_a, none), get_place(at_b, none));
+    track.reference = calc_relative(i, get_moving_body(at_a, none), get_moving_body(at_b, none));
     track.tie = value;
     now_[i].tie = {.from = time, .to = time, .count = 1};
     if (value <= 0) now_[i].touch = time;
@@ -291,11 +274,29 @@ void ClearanceHistory::add(const MotionWindow& window) {
     set_reference(piece, i, value);
     track.whole.add(piece.from, before, piece.to, value, begins, function);
     if (track.after_release) track.released.add(piece.from, before, piece.to, value, begins, function);
+    look_between_knots(piece, i);
     if (track.whole.get_time() != smallest_time) keep_places(window, i);
     find_touch(window, i, before > 0 && value <= 0, function);
     if (piece.to > piece.from) now_[i].rate = (value - before) / (piece.to - piece.from);
     add_value(i, piece.to, value);
   }
+}
+
+// Looks for pairs of shapes that are nearest inside the piece, and at neither end of it.
+void ClearanceHistory::look_between_knots(const MotionPiece& piece, std::size_t pair) {
+  Track& track = tracks_[pair];
+  const double limit =
+      track.after_release ? std::max(track.whole.get_value(), track.released.get_value()) : track.whole.get_value();
+  const std::optional<Dip> dip = find_dip(monitor_, piece,
+                                          {.pair = pair,
+                                           .a = get_index(now_[pair].a),
+                                           .b = get_index(now_[pair].b),
+                                           .path = track.path,
+                                           .limit = limit,
+                                           .resolution = get_resolution(static_cast<int>(pair))});
+  if (!dip) return;
+  track.whole.take(dip->time, dip->value);
+  if (track.after_release) track.released.take(dip->time, dip->value);
 }
 
 void ClearanceHistory::release(double time, const std::vector<int>& a, const std::vector<int>& b) {

@@ -8,6 +8,7 @@
 
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/motion_window.h"
+#include "hil/run/motion/relative_motion.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/shapes/clearance.h"
 
@@ -47,28 +48,16 @@ class ClearanceHistory {
     double turned = 0;   // rad, bound on its rotation up to the end of the piece
     bool fresh = false;  // `place` belongs to the present piece
   };
-  // A body at the end of the present piece.
-  struct Place {
-    geometry::Placement at;
-    Vec3 v{0, 0, 0}, w{0, 0, 0};  // of the origin; angular velocity; W axes
-    Spatial acceleration{};       // of the origin, W axes
-  };
-  // Bounding sphere of one side of a pair relative to the other side.
-  struct Relative {
-    Vec3 centre{0, 0, 0};  // m
-    Mat3 R = kIdentity3;
-    double speed = 0;     // m/s, bound on the speed of its points
-    double increase = 0;  // m/s², bound on its points' acceleration without the centripetal part
-  };
   struct Track {
     Smallest whole, released;
     double size = 0;                    // m
-    Relative reference;                 // at the latest computation of the distance
+    RelativeMotion reference;           // at the latest computation of the distance
     Vec3 between{0, 0, 0};              // m, from one origin to the other, W axes, at that time
     double turned_a = 0, turned_b = 0;  // Body::turned, at that time
     double value = 0;                   // m, at that time
     double moved = 0;                   // m, bound on the change of the distance since then, at the latest knot
-    Relative latest;                    // at the latest knot
+    double path = 0;                    // m, bound on its change within the piece, if the piece was not skipped
+    RelativeMotion latest;              // at the latest knot
     bool followed = true;               // `latest` is up to date
     bool idle = false;                  // pieces were skipped; the next computed piece begins anew
     mutable bool stale = false;         // `now` and `rate` of the latest knot are not computed
@@ -85,16 +74,16 @@ class ClearanceHistory {
   void add_value(std::size_t pair, double time, double value);
   void refresh(std::size_t pair) const;
   void refresh_rate(std::size_t pair) const;
-  static Place get_place(const BodyState& body, const Spatial& acceleration);
-  [[nodiscard]] Relative calc_relative(std::size_t pair, const Place& a, const Place& b) const;
-  [[nodiscard]] double calc_change(std::size_t pair, const Relative& from, const Relative& to) const;
+  [[nodiscard]] RelativeMotion calc_relative(std::size_t pair, const MovingBody& a, const MovingBody& b) const;
+  [[nodiscard]] double calc_change(std::size_t pair, const RelativeMotion& from, const RelativeMotion& to) const;
   [[nodiscard]] double get_limit(std::size_t pair) const;
   [[nodiscard]] bool is_far(const MotionPiece& piece, std::size_t pair) const;
-  const Place& get_end(const MotionPiece& piece, std::size_t body);
+  const MovingBody& get_end(const MotionPiece& piece, std::size_t body);
   bool skip(const MotionWindow& window, std::size_t pair);
   void set_reference(const MotionPiece& piece, std::size_t pair, double value);
   void keep_places(const MotionWindow& window, std::size_t pair);
   void publish(std::size_t pair);
+  void look_between_knots(const MotionPiece& piece, std::size_t pair);
   void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const TimeFunction& function);
 
   Skipping skipping_;
@@ -102,7 +91,7 @@ class ClearanceHistory {
   mutable std::vector<Clearance> now_;
   std::vector<Track> tracks_;
   std::vector<Body> bodies_;              // by body; only bodies of some pair
-  std::vector<Place> places_;             // by body; only fresh ones
+  std::vector<MovingBody> places_;        // by body; only fresh ones
   std::vector<int> watched_;              // bodies of some pair
   const MotionWindow* window_ = nullptr;  // the latest
 };

@@ -67,8 +67,10 @@ class Smallest {
   // Adds the next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
   // finish() first). `function` gives values within this interval and, unless it begins, the one before.
   void add(double from, double at_from, double to, double at_to, bool begins, const TimeFunction& function);
-  // Adds a single value.
+  // Adds a single value, behind which the knots begin anew.
   void add(double time, double value);
+  // Adds a value between knots.
+  void take(double time, double value) { least_.take(time, value); }
   // Searches the last interval.
   void finish(const TimeFunction& function);
 

@@ -1,7 +1,7 @@
 #include "hil/run/motion/joint_frame.h"
 
-#include "hil/scenario/model/from_eigen.h"
-#include "hil/scenario/model/pose.h"
+#include "hil/scenario/base/from_eigen.h"
+#include "hil/scenario/base/pose.h"
 
 namespace unlatch::hil {
 

@@ -32,19 +32,20 @@ bool has_implicit_modes(const Model& model, double dt) {
   });
 }
 
-// System that no joint holds to the ground, relative to its centre of mass: first a frame near it, then the correction.
+// Energy as the observer sees it who follows the centre of mass, or stands on the ground that holds the system. The
+// centre's velocity is first that near it, then corrected.
 struct Seen {
   EnergyFlow flow;
-  Vec3 frame;
+  AuditFrame frame;
 };
 Seen look(const Simulation& simulation) {
-  const Vec3 near = calc_audit_frame(simulation.plan(), simulation.state(), simulation.workspace());
-  const EnergyFlow flow = calc_energy_flow(simulation.plan(), simulation.state(), simulation.workspace(), near);
-  if (near.x == 0 && near.y == 0 && near.z == 0) return {flow, near};
+  const AuditFrame near = calc_audit_frame(simulation.plan(), simulation.state(), simulation.workspace());
+  const EnergyFlow flow =
+      calc_energy_flow(simulation.plan(), simulation.state(), simulation.workspace(), near.velocity);
+  if (near.grounded) return {flow, near};
   const Vec3 rest = (1 / flow.mass) * flow.momentum;
-  return {change_frame(flow, rest), near + rest};
+  return {change_frame(flow, rest), {.grounded = false, .velocity = near.velocity + rest}};
 }
-bool is_at_rest(const Vec3& frame) { return frame.x == 0 && frame.y == 0 && frame.z == 0; }
 
 }  // namespace
 
@@ -77,7 +78,7 @@ EnergyFlow EnergyAudit::calc_start() {
   if (std::equal(inputs.begin(), inputs.end(), inputs_.begin(), inputs_.end())) return now_;
   smooth_ = false;
   if (update_outputs(simulation_.plan(), Inputs{inputs}, before_, workspace_) != StepStatus::kOk) return now_;
-  return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_);
+  return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_.velocity);
 }
 
 // Adds work by the trapezoidal rule. For a power that only rises, or only falls, its error is at most h/2 of the
@@ -103,10 +104,17 @@ void EnergyAudit::add_stored(const EnergyFlow& from, const EnergyFlow& to) {
 
 void EnergyAudit::add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
   for (std::size_t i = 0; i < balance_.work.size(); ++i) {
-    const double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]);
+    const double second = to.power[i] - 2 * from.power[i] + earlier_.power[i];
+    double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]), apart = -h / 12 * second;
+    if (long_smooth_) {
+      apart = -h / 24 * (second - (from.power[i] - 2 * earlier_.power[i] + oldest_.power[i]));
+      work += apart;
+    }
+    apart_ += apart;
     balance_.work[i] += work;
     tick_work_ += work;
   }
+  most_apart_ = std::max(most_apart_, std::abs(apart_));
   add_stored(from, to);
 }
 
@@ -133,14 +141,14 @@ bool EnergyAudit::has_corner(double from, double to) const {
 void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
-  const bool at_rest = is_at_rest(frame_) || is_at_rest(frame);
-  const auto see = [at_rest](const EnergyFlow& seen, const Vec3& from) {
-    return at_rest ? change_frame(seen, -from) : seen;
+  const bool grounded = frame_.grounded || frame.grounded;
+  const auto see = [grounded](const EnergyFlow& seen, const AuditFrame& from) {
+    return grounded ? change_frame(seen, -from.velocity) : seen;
   };
-  const auto see_event = [at_rest](const EnergyFlow& seen) {
-    return at_rest ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
+  const auto see_event = [grounded](const EnergyFlow& seen) {
+    return grounded ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
   };
-  smooth_ = smooth_ && at_rest == at_rest_ && !has_corner(end - 2 * dt, end);
+  smooth_ = smooth_ && grounded == grounded_ && !has_corner(end - 2 * dt, end);
   const EnergyFlow start = see(calc_start(), frame_), reached = see(flow, frame);
   tick_work_ = 0;
   if (report.audits.empty()) {
@@ -168,27 +176,31 @@ void EnergyAudit::add_tick(const StepReport& report) {
     balance_.largest = balance_.unexplained;
     balance_.largest_time = end;
   }
+  long_smooth_ = smooth_;
   smooth_ = report.audits.empty();
-  at_rest_ = at_rest;
+  grounded_ = grounded;
+  oldest_ = earlier_;
   earlier_ = start;
   keep(flow, frame);
 }
 
-void EnergyAudit::keep(const EnergyFlow& flow, const Vec3& frame) {
+void EnergyAudit::keep(const EnergyFlow& flow, const AuditFrame& frame) {
   now_ = flow;
   frame_ = frame;
   const std::span<const std::byte> bytes = simulation_.state().get_bytes();
   std::memcpy(block_.data(), bytes.data(), bytes.size());
   inputs_.assign(simulation_.get_inputs().begin(), simulation_.get_inputs().end());
-  fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_, frame_));
+  fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_.velocity, frame_.velocity));
 }
 
 double EnergyAudit::calc_doubt() const {
   // Each tick rounds every velocity about once: the errors add like a random walk, with a margin of some ten
   // operations.
   constexpr double kOperations = 16;
+  // A power that grows like the eleventh power of time from rest is wrong by three and a half times the difference.
+  constexpr double kOrders = 4;
   const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
-  return coarse_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
+  return coarse_ + kOrders * most_apart_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
 }
 
 }  // namespace unlatch::hil

@@ -2,8 +2,10 @@
 //
 // Between two ticks the change of kinetic and stored energy must equal the work of loads, weight, motors, dampers,
 // modes and leaving mass; an event may add the energy that its plastic impulse removes. Work is the integral of powers
-// at the ticks: by the parabola through three of them (Adams–Moulton, error h⁴/24 d³P/dt³ a tick), by the trapezoidal
-// rule next to events, changed commands and corners of loads' tables. All energies are relative to the centre of mass,
+// at the ticks: by Adams and Moulton's formulas through four or three of them (E. Hairer, Nørsett, Wanner: Solving
+// Ordinary Differential Equations I, III.1), by the trapezoidal rule next to events, changed commands and corners of
+// loads' tables. What the next lower order would have given shows how far the integral may be wrong: a power that sets
+// in sharply from rest is not known from its ticks alone. All energies are relative to the centre of mass,
 // so that a flight speed of km/s hides nothing; ticks in which a joint or contact holds a body to the ground are
 // relative to the ground. Cost: one pass over bodies and elements a tick; off the cyclic thread.
 #pragma once
@@ -52,7 +54,7 @@ class EnergyAudit {
   [[nodiscard]] bool is_implicit() const;
   // True if the table of a load that is on has a knot between the two times, s.
   [[nodiscard]] bool has_corner(double from, double to) const;
-  void keep(const EnergyFlow& flow, const Vec3& frame);
+  void keep(const EnergyFlow& flow, const AuditFrame& frame);
 
   const Simulation& simulation_;
   std::vector<int> implicit_;      // elements that the plan integrates implicitly
@@ -62,12 +64,15 @@ class EnergyAudit {
   std::vector<std::uint64_t> block_;  // state before the last step
   State before_;
   std::vector<double> inputs_;
-  Vec3 frame_{};                         // velocity of the observer of now_
+  AuditFrame frame_{};                   // the observer of now_
   EnergyFlow earlier_{}, now_{};         // at the last tick but one, and at the last, relative to the centre of mass
   bool begun_ = false, smooth_ = false;  // smooth_: no event or command between the two
-  bool at_rest_ = false;                 // both are relative to the ground
+  bool grounded_ = false;                // both are relative to the ground
+  EnergyFlow oldest_{};                  // at the last tick but two, if the tick before was smooth too
+  bool long_smooth_ = false;             // it was
   double tick_work_ = 0, fastest_ = 0;   // J, work of the tick; J, largest kinetic energy relative to rest
   double coarse_ = 0;                    // J: possible error of the trapezoidal rule
+  double apart_ = 0, most_apart_ = 0;  // J: between the formula that is used and that of the next lower order; at most
   EnergyBalance balance_;
 };
 

@@ -10,8 +10,8 @@
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
 #include "hil/run/notices/table_exit.h"
-#include "hil/scenario/model/from_eigen.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/from_eigen.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 #include "unlatch/redundancy.h"
@@ -410,6 +410,14 @@ void NoticeWatch::watch_search(const StepReport& report) {
                open.interval),
         list_all_bodies(scenario_.model));
   }
+  if (open.corners > 0 && !cornered_) {
+    cornered_ = true;
+    std::vector<int> bodies;
+    for (const std::vector<int>& own : list_bodies_of_laws(scenario_.model))
+      for (const int body : own)
+        if (std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
+    add("search", "", "a step passed more corners of laws than it may be split at; a smaller step would do", bodies);
+  }
   if (open.unseen > 0 && !unseen_) {
     unseen_ = true;
     add("search", scenario_.model.contacts[at(open.contact)].name,
@@ -418,6 +426,20 @@ void NoticeWatch::watch_search(const StepReport& report) {
                open.depth),
         list_contact_bodies(scenario_.model, open.contact));
   }
+}
+
+void NoticeWatch::report_unseen(const UnseenClearance& unseen) {
+  const std::size_t event = at(unseen.event);
+  passed_.resize(scenario_.model.events.size());
+  report(
+      passed_[event], "search", get_guard_name(scenario_.model, unseen.event), -unseen.value,
+      [&] {
+        return format(
+            "its distance fell to %.6g m within a step, at %.6f s, and rose again: it did not act, because no "
+            "tick shows it; a smaller step would do",
+            unseen.value, unseen.time);
+      },
+      list_all_bodies(scenario_.model));
 }
 
 void NoticeWatch::watch_energy() {

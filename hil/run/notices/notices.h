@@ -34,6 +34,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
 #include "hil/run/notices/energy_audit.h"
 #include "hil/run/notices/profile_watch.h"
@@ -58,6 +59,8 @@ class NoticeWatch {
   // `audits`: with the drift of joints and the audit of energy, which cost the most.
   NoticeWatch(const Scenario& scenario, const Simulation& simulation, bool audits = true);
 
+  // The distance that an event waits for was below its threshold within a step.
+  void report_unseen(const UnseenClearance& unseen);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
   [[nodiscard]] const std::vector<RunNotice>& get() const { return notices_; }
   [[nodiscard]] const EnergyBalance& get_energy() const { return audit_->get(); }  // with audits only
@@ -117,13 +120,14 @@ class NoticeWatch {
   std::vector<Slot> profile_notices_;              // of loads
   std::vector<Slot> left_, skipped_;               // of tables
   std::vector<Slot> beside_;                       // of one-sided forces
+  std::vector<Slot> passed_;                       // of events
   std::vector<ProfileWatch> profiles_;             // of loads
   CellWatch cells_;
   std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;
-  bool postponed_ = false, unlocated_ = false, unseen_ = false;  // reported searches for events
-  std::int32_t redundant_ = 0;                                   // rows of loops at the latest tick
-  bool nearly_redundant_ = false;                                // reported
+  bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false;  // reported searches for events
+  std::int32_t redundant_ = 0;                                                      // rows of loops at the latest tick
+  bool nearly_redundant_ = false;                                                   // reported
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;
   std::vector<std::byte> memory_;

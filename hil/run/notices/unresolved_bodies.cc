@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 

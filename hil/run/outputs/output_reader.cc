@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "hil/run/motion/motion_window.h"
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {

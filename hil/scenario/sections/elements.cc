@@ -1,7 +1,9 @@
 // Elements, the channels that drive them, and the signals.
 #include <algorithm>
+#include <array>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/sections/scenario_reader.h"
 #include "unlatch/elementary.h"
 
@@ -78,66 +80,80 @@ void ScenarioReader::read_elements(YamlMap& top) {
   for (int i = 0; i < model_.element_count(); ++i) elements_.push_back(model_.element_name(i));
 }
 
-namespace {
+// Readers of the types of elements: each reads the keys of its type and adds the element to the model. A new type is a
+// function here and a line of kTypes.
+struct ElementReader {
+  ScenarioReader& in;
+  YamlMap& map;
+  const std::string& name;
 
-template <class Item>
-Item make_named(const std::string& name) {
-  Item item;
-  item.name = name;
-  return item;
-}
-
-}  // namespace
-
-// Types of elements: what stands at `type`, and what reads the rest of its keys. A new kind of element is a line here.
-const std::vector<ScenarioReader::ElementType>& ScenarioReader::get_element_types() {
-  using Reader = ScenarioReader;
-  static const auto read_turnable = [](Reader& reader, YamlMap& map, Load load) {
-    const int frame = map.choice("frame", "frame", {"body", "world"}, 0);
-    load.frame = frame == 1 ? Load::Frame::kWorld : Load::Frame::kBody;
-    reader.read_load(map, std::move(load));
+  struct Type {
+    const char* name;  // what stands at `type`
+    void (ElementReader::*read)();
   };
-  static const std::vector<ElementType> kTypes{
-      {"thrust", [](Reader& r, YamlMap& map, const std::string& name) { r.read_load(map, make_named<Load>(name)); }},
-      {"force",
-       [](Reader& r, YamlMap& map, const std::string& name) { read_turnable(r, map, make_named<Load>(name)); }},
-      {"torque",
-       [](Reader& r, YamlMap& map, const std::string& name) {
-         Load load = make_named<Load>(name);
-         load.kind = Load::Kind::kTorque;
-         read_turnable(r, map, std::move(load));
-       }},
-      {"spring", [](Reader& r, YamlMap& map,
-                    const std::string& name) { r.read_point_spring(map, make_named<PointSpring>(name)); }},
-      {"joint_spring", [](Reader& r, YamlMap& map,
-                          const std::string& name) { r.read_joint_spring(map, make_named<JointSpring>(name)); }},
-      {"plane_torsion", [](Reader& r, YamlMap& map,
-                           const std::string& name) { r.read_plane_torsion(map, make_named<PlaneTorsion>(name)); }},
-      {"pusher",
-       [](Reader& r, YamlMap& map, const std::string& name) { r.read_pusher(map, make_named<OneSided>(name)); }},
-      {"cord", [](Reader& r, YamlMap& map, const std::string& name) { r.read_cord(map, make_named<OneSided>(name)); }},
-      {"joint_friction",
-       [](Reader& r, YamlMap& map, const std::string& name) { r.read_friction(map, make_named<JointFriction>(name)); }},
-      {"aerodynamics", [](Reader& r, YamlMap& map,
-                          const std::string& name) { r.read_aerodynamics(map, make_named<Aerodynamics>(name)); }},
-  };
-  return kTypes;
-}
+  static const Type kTypes[];
+
+  template <class Item>
+  [[nodiscard]] Item make_named() const {
+    Item item;
+    item.name = name;
+    return item;
+  }
+
+  void read_thrust() { read_load(make_named<Load>()); }
+  void read_force() { read_turnable(make_named<Load>()); }
+  void read_torque() {
+    Load load = make_named<Load>();
+    load.kind = Load::Kind::kTorque;
+    read_turnable(std::move(load));
+  }
+  void read_turnable(Load load);
+  void read_load(Load load);
+  void read_misalignment(Load& load);
+  void read_spring();
+  void read_joint_spring();
+  void read_plane_torsion();
+  void read_pusher() { in.read_pusher(map, make_named<OneSided>()); }
+  void read_cord() { in.read_cord(map, make_named<OneSided>()); }
+  void read_friction() { in.read_friction(map, make_named<JointFriction>()); }
+  void read_aerodynamics();
+  void read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air);
+  void read_aero_term(const YamlNode& node, AeroTerm term, Aerodynamics& air);
+};
+
+constexpr ElementReader::Type ElementReader::kTypes[] = {
+    {"thrust", &ElementReader::read_thrust},
+    {"force", &ElementReader::read_force},
+    {"torque", &ElementReader::read_torque},
+    {"spring", &ElementReader::read_spring},
+    {"joint_spring", &ElementReader::read_joint_spring},
+    {"plane_torsion", &ElementReader::read_plane_torsion},
+    {"pusher", &ElementReader::read_pusher},
+    {"cord", &ElementReader::read_cord},
+    {"joint_friction", &ElementReader::read_friction},
+    {"aerodynamics", &ElementReader::read_aerodynamics},
+};
 
 void ScenarioReader::read_element(const std::string& name, const YamlNode& node) {
-  const std::vector<ElementType>& types = get_element_types();
   std::vector<std::string> names;
-  for (const ElementType& type : types) names.push_back(type.name);
+  for (const ElementReader::Type& type : ElementReader::kTypes) names.emplace_back(type.name);
   YamlMap map(node, "element '" + name + "'", mistakes_);
   const int type = map.choice("type", "element type", names);
   if (type < 0) return;  // the valid keys depend on the type
-  types[at(type)].read(*this, map, name);
+  ElementReader reader{*this, map, name};
+  (reader.*ElementReader::kTypes[type].read)();
   map.finish();
+}
+
+void ElementReader::read_turnable(Load load) {
+  const int frame = map.choice("frame", "frame", {"body", "world"}, 0);
+  load.frame = frame == 1 ? Load::Frame::kWorld : Load::Frame::kBody;
+  read_load(std::move(load));
 }
 
 // What a force has beside where it should be: `offset` of its point, and `misalignment`, the rotation vector by which
 // its direction is turned, both in the axes of the direction.
-void ScenarioReader::read_misalignment(YamlMap& map, Load& load) {
+void ElementReader::read_misalignment(Load& load) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   load.point += map.vector("offset", "m", none);
   const Eigen::Vector3d turn = map.vector("misalignment", "rad", none);
@@ -149,30 +165,31 @@ void ScenarioReader::read_misalignment(YamlMap& map, Load& load) {
   load.direction = d * cosine + axis.cross(d) * sine + axis * (axis.dot(d) * (1 - cosine));
 }
 
-void ScenarioReader::read_load(YamlMap& map, Load load) {
-  load.body = map.choice("body", "body", bodies_);
+void ElementReader::read_load(Load load) {
+  load.body = map.choice("body", "body", in.bodies_);
   const bool force = load.kind == Load::Kind::kForce;
   if (force) load.point = map.vector("point", "m", Eigen::Vector3d::Zero());
-  const std::size_t before = mistakes_.count();
+  const std::size_t before = in.mistakes_.count();
   const Eigen::Vector3d direction = map.vector("direction", "");
-  if (direction.isZero(0) && mistakes_.count() == before)
-    mistakes_.add(map.find("direction")->mark, "its direction is zero",
-                  "a vector along which it acts; `scale: 0` makes it dead");
+  if (direction.isZero(0) && in.mistakes_.count() == before)
+    in.mistakes_.add(map.find("direction")->mark, "its direction is zero",
+                     "a vector along which it acts; `scale: 0` makes it dead");
   load.direction = direction * map.number("scale", "", 1.0);
-  if (force) read_misalignment(map, load);
+  if (force) read_misalignment(load);
   if (const YamlNode* profile = map.require("profile"))
-    load.profile = read_profile(*profile, force ? "N" : "N m", load.name);
-  load.channel = map.choice("channel", "channel", channels_, kNone);
+    load.profile = in.read_profile(*profile, force ? "N" : "N m", load.name);
+  load.channel = map.choice("channel", "channel", in.channels_, kNone);
   if (force) {
     load.consumption = map.number("consumption", "kg/(N s)", 0.0);
-    load.tank = map.choice("tank", "body", bodies_, kNone);
+    load.tank = map.choice("tank", "body", in.bodies_, kNone);
   }
   load.on = map.boolean("enabled", true);
-  model_.loads.push_back(std::move(load));
+  in.model_.loads.push_back(std::move(load));
 }
 
-void ScenarioReader::read_point_spring(YamlMap& map, PointSpring spring) {
-  read_between(map, spring.base, spring.follower);
+void ElementReader::read_spring() {
+  PointSpring spring = make_named<PointSpring>();
+  in.read_between(map, spring.base, spring.follower);
   spring.point_base = map.vector("point", "m", Eigen::Vector3d::Zero());
   spring.point_follower = map.vector("follower_point", "m", Eigen::Vector3d::Zero());
   spring.stiffness = map.number("stiffness", "N/m");
@@ -180,11 +197,12 @@ void ScenarioReader::read_point_spring(YamlMap& map, PointSpring spring) {
   spring.free_length = map.number("free_length", "m", 0.0);
   spring.push_only = map.boolean("push_only", false);
   spring.on = map.boolean("enabled", true);
-  model_.point_springs.push_back(std::move(spring));
+  in.model_.point_springs.push_back(std::move(spring));
 }
 
-void ScenarioReader::read_joint_spring(YamlMap& map, JointSpring spring) {
-  spring.joint = map.choice("joint", "joint", joints_);
+void ElementReader::read_joint_spring() {
+  JointSpring spring = make_named<JointSpring>();
+  spring.joint = map.choice("joint", "joint", in.joints_);
   spring.axis = map.choice("axis", "row", row_names());
   const bool turns = spring.axis >= kRotX;
   spring.effort = map.number("effort", turns ? "N m" : "N", 0.0);
@@ -193,18 +211,91 @@ void ScenarioReader::read_joint_spring(YamlMap& map, JointSpring spring) {
   spring.rest = map.number("rest", turns ? "rad" : "m", 0.0);
   spring.on = map.boolean("enabled", true);
   if (map.find("implicit")) spring.implicit = map.boolean("implicit", true);
-  if (map.boolean("while_free", false)) scenario_.springs_while_free.push_back(spring.name);
-  model_.joint_springs.push_back(std::move(spring));
+  if (map.boolean("while_free", false)) in.scenario_.springs_while_free.push_back(spring.name);
+  in.model_.joint_springs.push_back(std::move(spring));
 }
 
-void ScenarioReader::read_plane_torsion(YamlMap& map, PlaneTorsion torsion) {
-  read_between(map, torsion.base, torsion.follower);
+void ElementReader::read_plane_torsion() {
+  PlaneTorsion torsion = make_named<PlaneTorsion>();
+  in.read_between(map, torsion.base, torsion.follower);
   torsion.normal_base = map.vector("normal", "").stableNormalized();
   torsion.axis_follower = map.vector("axis", "").stableNormalized();
   torsion.stiffness = map.number("stiffness", "N m/rad");
   torsion.damping = map.number("damping", "N m s/rad", 0.0);
   torsion.on = map.boolean("enabled", true);
-  model_.plane_torsions.push_back(std::move(torsion));
+  in.model_.plane_torsions.push_back(std::move(torsion));
+}
+
+namespace {
+
+constexpr std::array<const char*, 7> kCoefficients{"cx", "cy", "cz", "cl", "cm", "cn", "drag"};  // as AeroTerm::Of
+
+bool is_moment(AeroTerm::Of of) {
+  return of == AeroTerm::Of::kRoll || of == AeroTerm::Of::kPitch || of == AeroTerm::Of::kYaw;
+}
+
+}  // namespace
+
+// Coefficients are numbers, expressions, and sums of them.
+void ElementReader::read_aerodynamics() {
+  Aerodynamics air = make_named<Aerodynamics>();
+  air.body = map.choice("body", "body", in.bodies_);
+  air.area = read_bounded(map, get_number_key("scenario.aerodynamics.area"), {}, in.mistakes_);
+  air.point = map.vector("point", "m", Eigen::Vector3d::Zero());
+  const YamlNode *const length = map.find("length"), *const lengths = map.find("lengths");
+  if (length != nullptr && lengths != nullptr)
+    in.mistakes_.add(lengths->mark, "it has a length and three lengths", "write one of them");
+  if (length != nullptr)
+    air.lengths.setConstant(read_bounded(map, get_number_key("scenario.aerodynamics.length"), 1.0, in.mistakes_));
+  else if (lengths != nullptr)
+    air.lengths = read_vector(*lengths, "m", Eigen::Vector3d::Ones(), in.mistakes_);
+  for (std::size_t i = 0; i < kCoefficients.size(); ++i)
+    if (const YamlNode* node = map.find(kCoefficients[i]))
+      read_coefficient(*node, {static_cast<AeroTerm::Of>(i), kNone, 0, kNone}, air);
+  if (const YamlNode* node = map.find("damping")) {
+    YamlMap damping(*node, "damping", in.mistakes_);
+    for (std::size_t i = 0; i < kCoefficients.size(); ++i) {
+      const YamlNode* rates = damping.find(kCoefficients[i]);
+      if (!rates) continue;
+      if (!rates->is_sequence() || rates->items.size() != 3) {
+        in.mistakes_.add(rates->mark, "these are not three derivatives", "write those by p, q and r: [-0.4, 0, 0]");
+        continue;
+      }
+      for (int rate = 0; rate < 3; ++rate)
+        read_coefficient(rates->items[static_cast<std::size_t>(rate)], {static_cast<AeroTerm::Of>(i), rate, 0, kNone},
+                         air);
+    }
+    damping.finish();
+  }
+  if (length == nullptr && lengths == nullptr)
+    for (const AeroTerm& term : air.terms)
+      if (is_moment(term.of) || term.rate != kNone) {
+        in.mistakes_.add(map.node().mark, "its moments have no length", "give its `length`, or three `lengths`");
+        break;
+      }
+  air.on = map.boolean("enabled", true);
+  in.model_.aerodynamics.push_back(std::move(air));
+}
+
+// A number, an expression, or a list of these, which is their sum.
+void ElementReader::read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air) {
+  if (!node.is_sequence()) return read_aero_term(node, term, air);
+  for (const YamlNode& item : node.items) read_aero_term(item, term, air);
+}
+
+void ElementReader::read_aero_term(const YamlNode& node, AeroTerm term, Aerodynamics& air) {
+  if (node.is_mapping()) {
+    YamlMap coefficient(node, "a coefficient", in.mistakes_);
+    if (coefficient.require("expression") != nullptr) {
+      term.law = in.read_law(coefficient, "", "coefficient " + std::to_string(air.terms.size() + 1) + " of " + air.name,
+                             air.name);
+      air.terms.push_back(term);
+    }
+    coefficient.finish();
+    return;
+  }
+  term.value = read_number(node, "", 0.0, in.mistakes_);
+  if (term.value != 0) air.terms.push_back(term);
 }
 
 // Reads a profile of an element. A number alone is constant.

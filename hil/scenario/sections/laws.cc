@@ -1,7 +1,7 @@
 // Laws: expressions over quantities, channels and tables.
 #include <algorithm>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
 #include "hil/scenario/text/operands.h"
 

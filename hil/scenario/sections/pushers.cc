@@ -1,7 +1,7 @@
 // One-sided elements: pushers, cords, stops; friction in joints; and the events that belong to them.
 #include <algorithm>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {

@@ -106,20 +106,8 @@ class ScenarioReader {
   Eigen::Matrix3d read_frame(const YamlNode& node);
 
   // Elements. They are numbered by type, so they are first read into their lists and numbered afterwards.
-  struct ElementType {
-    const char* name;
-    void (*read)(ScenarioReader& reader, YamlMap& map, const std::string& name);
-  };
-  static const std::vector<ElementType>& get_element_types();
+  friend struct ElementReader;
   void read_element(const std::string& name, const YamlNode& node);
-  void read_misalignment(YamlMap& map, Load& load);
-  void read_load(YamlMap& map, Load load);
-  void read_point_spring(YamlMap& map, PointSpring spring);
-  void read_joint_spring(YamlMap& map, JointSpring spring);
-  void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
-  void read_aerodynamics(YamlMap& map, Aerodynamics air);
-  void read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air);
-  void read_aero_term(const YamlNode& node, AeroTerm term, Aerodynamics& air);
   Profile read_profile(const YamlNode& node, const std::string& unit, const std::string& element);
 
   // Contacts.

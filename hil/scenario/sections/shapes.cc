@@ -1,10 +1,10 @@
 // Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
+#include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/language/bounded_number.h"
-#include "hil/scenario/meshes/mesh_file.h"
-#include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/sections/scenario_reader.h"
+#include "hil/scenario/shapes/mesh_file.h"
 
 namespace unlatch::hil {
 namespace {

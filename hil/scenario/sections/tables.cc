@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
 #include "hil/scenario/text/csv_table.h"
 #include "hil/scenario/text/expression.h"

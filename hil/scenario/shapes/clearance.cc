@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hil/scenario/meshes/mesh_tree.h"
+#include "hil/scenario/shapes/mesh_tree.h"
 
 namespace unlatch::hil {
 namespace {
@@ -31,6 +31,11 @@ geometry::ShapeGroup build_group(const std::string& name, const std::vector<Body
 
 bool has_mesh(const std::vector<BodyShape>& shapes, int i) {
   return i >= 0 && static_cast<std::size_t>(i) < shapes.size() && shapes[static_cast<std::size_t>(i)].mesh;
+}
+
+// A hollow shape is a wall, a mesh anything.
+bool is_convex(const std::vector<BodyShape>& shapes, int i) {
+  return shapes[static_cast<std::size_t>(i)].shape.kind != geometry::ShapeKind::kHollow;
 }
 
 // Groups the kernel's shapes of `a` by the shapes of `b` that remain for them after the exceptions.
@@ -80,6 +85,7 @@ ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
                        .shapes_a = of_a,
                        .shapes_b = of_b});
     add_meshes(pair, of_pair_a, of_pair_b);
+    add_shape_pairs(pair, of_pair_a, of_pair_b);
     const geometry::ShapeGroup a = build_group(pair.a.name, of_pair_a, pair.a.shapes, Meshes::kAsSpheres);
     const geometry::ShapeGroup b = build_group(pair.b.name, of_pair_b, pair.b.shapes, Meshes::kAsSpheres);
     const bool of_b = std::isfinite(b.bound) && !(a.bound < b.bound);
@@ -109,6 +115,55 @@ void ClearanceMonitor::add_meshes(const ClearancePair& pair, const std::vector<B
   if (!parts.empty()) clearances_.back().method = DistanceMethod::kMesh;
 }
 
+void ClearanceMonitor::add_shape_pairs(const ClearancePair& pair, const std::vector<BodyShape>& a,
+                                       const std::vector<BodyShape>& b) {
+  const std::size_t number = sides_.size();
+  Sides& sides = sides_.emplace_back();
+  std::vector<ShapePair>& pairs = shape_pairs_.emplace_back();
+  int mesh = 0;
+  for (std::size_t i = 0; i < pair.a.shapes.size(); ++i)
+    for (std::size_t k = 0; k < pair.b.shapes.size(); ++k) {
+      const int of_a = pair.a.shapes[i], of_b = pair.b.shapes[k];
+      if (pair.is_excepted(of_a, of_b)) continue;
+      const bool meshes = has_mesh(a, of_a) || has_mesh(b, of_b);
+      pairs.push_back({.a = i, .b = k, .pair = number, .mesh = meshes ? mesh++ : kNone});
+      pairs.back().convex = !meshes && is_convex(a, of_a) && is_convex(b, of_b);
+    }
+  for (const int i : pair.a.shapes) sides.a.push_back(build_group(pair.a.name, a, {i}, Meshes::kAsSpheres));
+  for (const int k : pair.b.shapes) sides.b.push_back(build_group(pair.b.name, b, {k}, Meshes::kAsSpheres));
+  for (ShapePair& shapes : pairs) shapes.size = std::min(sides.a[shapes.a].bound, sides.b[shapes.b].bound);
+}
+
+namespace {
+
+// Places as seen from the origin of `a`: a large distance from the origin of W loses no digits.
+struct NearPlaces {
+  geometry::Placement a, b;
+};
+NearPlaces bring_near(const geometry::Placement& a, const geometry::Placement& b) {
+  return {{{0, 0, 0}, a.R_WB}, {b.p_WB - a.p_WB, b.R_WB}};
+}
+
+}  // namespace
+
+double ClearanceMonitor::calc_distance(const ShapePair& shapes, const geometry::Placement& a,
+                                       const geometry::Placement& b) const {
+  const NearPlaces near = bring_near(a, b);
+  if (shapes.mesh != kNone)
+    return calc_mesh(mesh_parts_[shapes.pair][static_cast<std::size_t>(shapes.mesh)], near.a, near.b,
+                     std::numeric_limits<double>::infinity())
+        .distance;
+  const Sides& sides = sides_[shapes.pair];
+  return geometry::calc_distance(sides.a[shapes.a], near.a, sides.b[shapes.b], near.b).least.distance;
+}
+
+double ClearanceMonitor::calc_lower_bound(const ShapePair& shapes, const geometry::Placement& a,
+                                          const geometry::Placement& b) const {
+  const NearPlaces near = bring_near(a, b);
+  const Sides& sides = sides_[shapes.pair];
+  return geometry::calc_lower_bound(sides.a[shapes.a], near.a, sides.b[shapes.b], near.b);
+}
+
 geometry::Distance ClearanceMonitor::calc_mesh(const MeshPart& part, const geometry::Placement& a,
                                                const geometry::Placement& b, double limit) {
   const geometry::Placement &own = part.mesh_is_a ? a : b, &other = part.mesh_is_a ? b : a;
@@ -125,7 +180,7 @@ geometry::Distance ClearanceMonitor::calc_mesh(const MeshPart& part, const geome
 PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement& a,
                                     const geometry::Placement& b) const {
   PairDistance out;
-  const geometry::Placement near_a{{0, 0, 0}, a.R_WB}, near_b{b.p_WB - a.p_WB, b.R_WB};
+  const auto [near_a, near_b] = bring_near(a, b);
   for (const Part& part : parts_[pair]) {
     const geometry::ShapeGroup &of_a = part.groups.get_a(), &of_b = part.groups.get_b();
     if (geometry::calc_lower_bound(of_a, near_a, of_b, near_b) > out.least.distance) continue;
@@ -155,6 +210,11 @@ double ClearanceMonitor::get_size(std::size_t pair) const {
       size = std::max(size, part.other.bound + norm(part.other.centre));
   }
   return size;
+}
+
+double ClearanceMonitor::get_resolution(std::size_t pair) const {
+  constexpr double kRounding = 1e-13;  // relative to the size
+  return kRounding * get_size(pair);
 }
 
 void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {

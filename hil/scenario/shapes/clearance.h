@@ -1,6 +1,6 @@
 // Signed distance between bodies, their groups and shapes: positive apart; negative, the depth of an overlap. The
 // kernel's geometry (unlatch/geometry.h) states definitions and errors; distances of triangle meshes come from
-// hil/scenario/meshes/mesh_tree.h, without depths. For reports, off the cyclic thread.
+// hil/scenario/shapes/mesh_tree.h, without depths. For reports, off the cyclic thread.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/model/pose.h"
+#include "hil/scenario/base/pose.h"
 #include "hil/scenario/shapes/shapes.h"
 #include "unlatch/geometry/group_pair.h"
 #include "unlatch/model.h"
@@ -68,6 +68,8 @@ class ClearanceMonitor {
   [[nodiscard]] PairDistance calc(std::size_t pair, const geometry::Placement& a, const geometry::Placement& b) const;
   // Size of a pair, m: distances carry rounding of some 1e-16 of it.
   [[nodiscard]] double get_size(std::size_t pair) const;
+  // Smallest depth of a dip over time that is not rounding, m.
+  [[nodiscard]] double get_resolution(std::size_t pair) const;
   // Bounding sphere of one side of the pair: a motion relative to the other side changes the distance by no more than
   // the path of its centre plus the rotation angle times its radius.
   struct Reach {
@@ -77,6 +79,22 @@ class ClearanceMonitor {
   };
   [[nodiscard]] const Reach& get_reach(std::size_t pair) const { return reaches_[pair]; }
   const std::vector<Clearance>& get() const { return clearances_; }
+
+  // One shape of each side of a watched pair.
+  struct ShapePair {
+    std::size_t a = 0, b = 0;  // among the shapes of both sides
+    std::size_t pair = 0;      // watched pair
+    int mesh = kNone;          // part of its meshes; kNone: shapes of the kernel
+    double size = 0;           // m, radius of the smaller one's bounding sphere; infinite if both are unbounded
+    bool convex = true;        // both are
+  };
+  // All of a watched pair.
+  [[nodiscard]] const std::vector<ShapePair>& get_shape_pairs(std::size_t pair) const { return shape_pairs_[pair]; }
+  // m, with the bodies at these placements; and a bound below it by bounding spheres, at most the distance.
+  [[nodiscard]] double calc_distance(const ShapePair& shapes, const geometry::Placement& a,
+                                     const geometry::Placement& b) const;
+  [[nodiscard]] double calc_lower_bound(const ShapePair& shapes, const geometry::Placement& a,
+                                        const geometry::Placement& b) const;
 
  private:
   // All shapes of one group against all shapes of the other; shapes of the kernel.
@@ -94,11 +112,18 @@ class ClearanceMonitor {
   static geometry::Distance calc_mesh(const MeshPart& part, const geometry::Placement& a, const geometry::Placement& b,
                                       double limit);
   void add_meshes(const ClearancePair& pair, const std::vector<BodyShape>& a, const std::vector<BodyShape>& b);
+  void add_shape_pairs(const ClearancePair& pair, const std::vector<BodyShape>& a, const std::vector<BodyShape>& b);
 
   std::vector<Clearance> clearances_;
   std::vector<std::vector<Part>> parts_;           // parts of each pair
   std::vector<std::vector<MeshPart>> mesh_parts_;  // parts of each pair
   std::vector<Reach> reaches_;
+  // The shapes of each pair's sides one by one, a mesh as its bounding sphere.
+  struct Sides {
+    std::vector<geometry::ShapeGroup> a, b;
+  };
+  std::vector<Sides> sides_;
+  std::vector<std::vector<ShapePair>> shape_pairs_;
 };
 
 }  // namespace unlatch::hil

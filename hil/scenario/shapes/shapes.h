@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "hil/scenario/meshes/triangle_mesh.h"
+#include "hil/scenario/shapes/triangle_mesh.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::hil {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hil/scenario/random/normal.h"
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/normal.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/campaign/campaign.h"
 
 namespace unlatch::hil {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hil/scenario/random/normal.h"
+#include "hil/scenario/base/normal.h"
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/study/campaign/campaign_reader.h"

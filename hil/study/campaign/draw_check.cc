@@ -6,7 +6,7 @@
 
 #include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/campaign/campaign_reader.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hil/study/optimize/evaluations.h"
-#include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/optimize/optimizers.h"
 
 namespace unlatch::hil {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/study/optimize/confirmation.h"
 #include "hil/study/optimize/scaled_space.h"
 #include "hil/study/optimize/study.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/study/optimize/scaled_space.h"
 
 namespace unlatch::hil {

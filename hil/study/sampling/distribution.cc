@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/scenario/random/normal.h"
+#include "hil/scenario/base/normal.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

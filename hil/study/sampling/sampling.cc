@@ -4,7 +4,7 @@
 #include <bit>
 #include <stdexcept>
 
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/sampling/sobol.h"
 
 namespace unlatch::hil {

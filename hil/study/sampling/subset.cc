@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "hil/scenario/random/normal.h"
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/normal.h"
+#include "hil/scenario/base/philox.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

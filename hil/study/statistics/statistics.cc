@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/statistics/binomial.h"
 
 namespace unlatch::hil {

@@ -45,10 +45,13 @@ struct EnergyFlow {
   Vec3 force[kPowerSources];    // N: an observer who moves with v sees each power less by force · v
 };
 
-// Velocity of an observer in whose frame the energy of `state` is that of separation and rotation alone: that of the
-// centre of mass; 0 while a joint or an element that is on holds a body to the ground, because the ground does no work
-// only where it is at rest. World axes, m/s.
-Vec3 calc_audit_frame(const Plan& plan, const State& state, const Workspace& workspace) noexcept;
+// An observer in whose frame the energy is that of separation and rotation alone.
+struct AuditFrame {
+  bool grounded = false;   // a joint or an element that is on holds a body to the ground
+  Vec3 velocity{0, 0, 0};  // m/s, world axes: 0 if grounded, because the ground does no work only where it is at rest;
+                           // else that of the centre of mass
+};
+AuditFrame calc_audit_frame(const Plan& plan, const State& state, const Workspace& workspace) noexcept;
 
 // Energies and powers of the state that the latest step() or update_outputs() left in the workspace, seen by an
 // observer with the constant velocity `frame`, world axes, m/s.

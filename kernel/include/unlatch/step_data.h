@@ -47,6 +47,7 @@ struct OpenSearch {
   std::int32_t unlocated = 0;    // instants of events that are known worse than to the tolerance of the search
   double interval = 0;           // s, that holds the worst known of them
   std::int32_t guard = kNone;    // it: index into the model's events, then into its contacts, whatever pairs these have
+  std::int32_t corners = 0;      // of laws at which the step was not split, because it has been at others
   std::int32_t unseen = 0;       // pairs of shapes that may have touched and parted again
   double depth = 0;              // m: no pair whose distance is convex over time has touched deeper than this
   std::int32_t contact = kNone;  // the contact of the pair that may have been as deep: index into the model's contacts

@@ -119,6 +119,86 @@ clearance: all
   EXPECT_NEAR(*found.touch, (5.25 - 0.1001) / 500, kLocated);
 }
 
+// A sphere of 5 mm at 10 m/s passes a sphere of 10 mm within one step, and comes ever nearer to a rod: the values at
+// the ticks fall steadily.
+const char* const kPassesWithinAStep = R"(unlatch: 1
+name: passes
+step: {dt: 10 ms, until: 0.04}
+ground:
+  shape:
+    - {sphere: {centre: [0.05, 0, 0], radius: 0.01}}
+    - {capsule: {from: [0.1, 0.03, 0], to: [0.5, 0.015, 0], radius: 0.002}}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], velocity: [10, 0, 0], shape: [{sphere: {radius: 0.005}}]}
+)";
+
+TEST(ClearanceHistory, AGroupIsSearchedWithinStepsWhoseEndsDoNotShowItsDip) {
+  const AnalysedRun run(std::string(kPassesWithinAStep) + "clearance: all\n");
+  const hil::Clearance& found = run.analysis.clearances().at(0);
+  EXPECT_NEAR(found.smallest, -0.015, kExact);
+  EXPECT_NEAR(found.time, 0.005, kLocated);
+  ASSERT_TRUE(found.touch.has_value());
+  EXPECT_NEAR(*found.touch, (0.05 - 0.015) / 10, kLocated);
+}
+
+// Groups of three shapes that fly past each other at a constant velocity: the smallest distance at steps in which the
+// bodies move by more than their size is that at steps a hundredth as long.
+TEST(ClearanceHistory, OfGroupsAtLongStepsIsThatAtShortOnes) {
+  constexpr std::uint64_t kSeed = 61;
+  Random random(kSeed);
+  const auto draw = [&](double limit) { return std::to_string(limit * (2 * random.uniform() - 1)); };
+  int within = 0;
+  for (int run = 0; run < 60; ++run) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", run " + std::to_string(run));
+    std::string bodies = "bodies:\n";
+    for (const char* const name : {"a", "b"}) {
+      const double side = name[0] == 'a' ? 0 : 2;
+      bodies += std::string("  ") + name + ": {mass: 1, inertia: [1, 1, 1], position: [" + std::to_string(-side) +
+                ", " + draw(0.3) + ", " + draw(0.3) + "], velocity: [" + std::to_string(4 * side) + ", " + draw(1) +
+                ", " + draw(1) + "], shape: [";
+      for (int k = 0; k < 3; ++k) {
+        const std::string at = "[" + draw(1) + ", " + draw(0.5) + ", " + draw(0.5) + "]";
+        bodies += k == 1 ? "{box: {centre: " + at + ", size: [0.1, 0.2, 0.05]}}, "
+                         : "{sphere: {centre: " + at + ", radius: 0.05}}" + (k == 0 ? ", " : "");
+      }
+      bodies += "]}\n";
+    }
+    const auto fly = [&](const char* dt) {
+      return AnalysedRun("unlatch: 1\nname: pass\nclearance: all\nstep: {dt: " + std::string(dt) + ", until: 0.5}\n" +
+                         bodies)
+          .analysis.clearances()
+          .at(0);
+    };
+    const hil::Clearance coarse = fly("50 ms"), fine = fly("0.5 ms");
+    EXPECT_NEAR(coarse.smallest, fine.smallest, kExact);
+    within += std::abs(std::remainder(fine.time, 0.05)) > 1e-3;
+  }
+  EXPECT_GT(within, 40) << "of 60: the smallest is seldom at a tick";
+}
+
+// An event that waits for that distance does not act, and the run is unresolved; at a step that shows the instant it
+// acts.
+TEST(ClearanceHistory, ADistanceThatNoTickShowsToAnEventIsReported) {
+  const std::string near =
+      std::string(kPassesWithinAStep) +
+      "events: [{name: near, when: {clearance: {between: [ball, ground], below: 1 mm}}, then: []}]\n";
+  const auto count = [](const AnalysedRun& run) {
+    return std::ranges::count(run.analysis.accuracy().get(), "search", &hil::RunNotice::name);
+  };
+  const AnalysedRun coarse(near);
+  EXPECT_TRUE(coarse.analysis.timeline.empty());
+  ASSERT_EQ(count(coarse), 1);
+  EXPECT_NE(coarse.analysis.accuracy().get().at(0).text.find("fell to -0.015 m within a step, at 0.005000 s"),
+            std::string::npos)
+      << coarse.analysis.accuracy().get().at(0).text;
+  EXPECT_NE(coarse.analysis.accuracy().describe_unresolved(), "");
+  std::string fine = near;
+  fine.replace(fine.find("dt: 10 ms"), 9, "dt: 1 ms");
+  const AnalysedRun run(fine);
+  EXPECT_EQ(run.analysis.timeline.size(), 1u);
+  EXPECT_EQ(count(run), 0);
+}
+
 // Five bodies of random shapes that tumble past one another, with all ten pairs watched. Half of the runs accelerate.
 std::string draw_swarm(Random& random) {
   const auto draw = [&](double limit) { return std::to_string(limit * (2 * random.uniform() - 1)); };

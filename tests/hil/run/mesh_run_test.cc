@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "hil/run/findings/findings.h"
-#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/shapes/mesh_file.h"
 #include "tests/hil/run/analysed_run.h"
 #include "tests/hil/scenario/mesh_support.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "hil/scenario/model/from_eigen.h"
+#include "hil/scenario/base/from_eigen.h"
 
 namespace unlatch::test {
 namespace {

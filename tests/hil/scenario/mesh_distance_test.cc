@@ -6,8 +6,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "hil/scenario/meshes/mesh_tree.h"
 #include "hil/scenario/shapes/clearance.h"
+#include "hil/scenario/shapes/mesh_tree.h"
 #include "tests/hil/scenario/mesh_support.h"
 #include "tests/support/random.h"
 

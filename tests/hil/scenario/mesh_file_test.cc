@@ -1,5 +1,5 @@
 // Files of triangles, and meshes in scenarios.
-#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/shapes/mesh_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/shapes/mesh_file.h"
 
 namespace unlatch::test {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/scenario/random/normal.h"
+#include "hil/scenario/base/normal.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/samples/sample_record.h"
 #include "tests/hil/scenario/scenario_support.h"

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <mutex>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/study/evaluation/side_by_side.h"
 #include "hil/study/optimize/demand.h"
 #include "hil/study/optimize/evaluations.h"
-#include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/optimize/optimizers.h"
 #include "hil/study/statistics/binomial.h"
 #include "hil/study/statistics/statistics.h"
 

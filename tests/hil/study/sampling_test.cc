@@ -7,9 +7,9 @@
 #include <cmath>
 #include <set>
 
+#include "hil/scenario/base/normal.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/sampling/distribution.h"
-#include "hil/scenario/random/normal.h"
-#include "hil/scenario/random/philox.h"
 
 namespace unlatch::test {
 namespace {

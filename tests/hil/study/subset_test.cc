@@ -11,7 +11,7 @@
 #include <numeric>
 #include <random>
 
-#include "hil/scenario/random/normal.h"
+#include "hil/scenario/base/normal.h"
 
 namespace unlatch::test {
 namespace {

@@ -308,6 +308,20 @@ bodies:
         still = self.run_json(UNLATCH, "run", self.write(text.replace("18 N/m", "-18 N/m")), "--accuracy", "1e-3")
         self.assertEqual(still["accuracy_step"]["growth"], [])
 
+    # I a'' = I w^2 a about the free axis of a hinge in the body's centre.
+    def test_an_attitude_that_grows_is_reported_with_its_factors(self):
+        text = ("unlatch: 1\nname: top\nstep: {dt: 1 ms, until: 2 s}\nbodies:\n  top: {mass: 2, inertia: [2, 2, 2]}\n"
+                "joints:\n  pin: {between: [ground, top], modes: {hinge: {rows: [x, y, z, rot_x, rot_y]}}}\n"
+                "quantities:\n  a: {angle: {joint: pin, axis: rot_z}}\nelements:\n"
+                "  push: {type: torque, body: top, direction: [0, 0, 1], profile: {expression: \"18 N m/rad * a\"}}\n")
+        report = self.run_json(UNLATCH, "run", self.write(text), "--accuracy", "1e-3")
+        attitude, rate = report["accuracy_step"]["growth"]
+        self.assertEqual([(g["start"], g["of"], g["end"]) for g in (attitude, rate)], [("top", "attitude", "top"), ("top", "rate", "top")])
+        self.assertAlmostEqual(attitude["factor"], math.cosh(6), delta=1e-3 * math.cosh(6))
+        self.assertAlmostEqual(rate["factor"], math.sinh(6) / 6, delta=1e-3 * math.sinh(6) / 6)
+        shown = self.run_ok(UNLATCH, "run", self.write(text), "--accuracy", "1e-3").stdout
+        self.assertIn("an error of the attitude of top at the start turns top 202 times as far at the end", shown)
+
     def test_usage_is_told(self):
         scenario = SCENARIOS / "tree3/reference.yaml"
         self.assertEqual(call(UNLATCH, "run", scenario, "--accuracy", "2").returncode, 2)

@@ -6,7 +6,7 @@
 #include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
 #include "hil/run/starting_quantities.h"
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/optimize/problem/problem_findings.h"

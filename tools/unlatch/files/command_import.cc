@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "hil/run/run.h"
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/import/guard.h"

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "hil/scenario/shapes/clearance.h"
 #include "library/fmi/write_fmu.h"
 #include "tools/common/output.h"

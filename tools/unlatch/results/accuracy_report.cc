@@ -195,12 +195,14 @@ void print_reasons(std::FILE* to, const std::vector<hil::AccuracyEntry>& entries
 void print_growth(std::FILE* to, const hil::AccuracyReport& accuracy) {
   if (accuracy.growth.empty()) return;
   print_heading(to, "Sensitive to the start: no step makes the end more certain than this");
-  for (const hil::StartGrowth& growth : accuracy.growth)
-    std::fprintf(to,
-                 growth.velocity
-                     ? "  an error of the velocity of %s at the start moves %s %.3g times as far as in free motion\n"
-                     : "  an error of the place of %s at the start moves %s %.3g times as far at the end\n",
-                 growth.start.c_str(), growth.end.c_str(), growth.factor);
+  for (const hil::StartGrowth& growth : accuracy.growth) {
+    using Of = hil::StartGrowth::Of;
+    const char* const verb = growth.of == Of::kPlace || growth.of == Of::kVelocity ? "moves" : "turns";
+    const char* const beside =
+        growth.of == Of::kPlace || growth.of == Of::kAttitude ? "at the end" : "as in free motion";
+    std::fprintf(to, "  an error of the %s of %s at the start %s %s %.3g times as far %s\n", hil::get_name(growth.of),
+                 growth.start.c_str(), verb, growth.end.c_str(), growth.factor, beside);
+  }
 }
 
 }  // namespace
@@ -270,10 +272,8 @@ Json build_step_json(const hil::AccuracyReport& accuracy) {
   if (accuracy.growth_measured) {
     json["growth"] = Json::array();
     for (const hil::StartGrowth& growth : accuracy.growth)
-      json["growth"].push_back({{"start", growth.start},
-                                {"of", growth.velocity ? "velocity" : "place"},
-                                {"end", growth.end},
-                                {"factor", growth.factor}});
+      json["growth"].push_back(
+          {{"start", growth.start}, {"of", hil::get_name(growth.of)}, {"end", growth.end}, {"factor", growth.factor}});
   }
   if (!accuracy.mismatch.empty()) json["mismatch"] = accuracy.mismatch;
   if (accuracy.interrupted) json["interrupted"] = true;

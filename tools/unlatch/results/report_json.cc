@@ -228,7 +228,10 @@ nlohmann::ordered_json build_json(const RunReport& report) {
                                       {"subject", hil::get_name(event.subject)}});
   json["session_events_left_out"] = report.session_events_left_out;
   const hil::SearchTotals& search = report.analysis.search;
-  json["search"] = {{"postponed", search.postponed}, {"unlocated", search.unlocated}, {"unseen", search.unseen}};
+  json["search"] = {{"postponed", search.postponed},
+                    {"unlocated", search.unlocated},
+                    {"corners", search.corners},
+                    {"unseen", search.unseen}};
   json["samples"] = Json::array();
   if (report.outputs != nullptr) {
     json["samples"] = build_samples(report);

@@ -21,6 +21,7 @@ void print_search(std::FILE* to, const hil::SearchTotals& search) {
   };
   print(search.postponed, "instant", "of events left to the next tick: the bound on splits of a step was reached");
   print(search.unlocated, "instant", "of events known badly: the tries of a step ran out");
+  print(search.corners, "corner", "of laws at which no step was split: a step is split at eight of them");
   print(search.unseen, "step", "in which shapes may have touched unseen: its looks ran out");
 }
 

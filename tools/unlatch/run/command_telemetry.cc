@@ -5,7 +5,7 @@
 
 #include "bridge/telemetry/telemetry.h"
 #include "bridge/telemetry/xtce.h"
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/program/exit_codes.h"

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "hil/run/simulation/model_messages.h"
+#include "hil/scenario/base/module.h"
 #include "hil/scenario/language/scenario_sources.h"
-#include "hil/scenario/modules/module.h"
 #include "tools/fmu/controller.h"
 #include "tools/fsw/separation_sequence.h"
 #include "tools/program/command_line.h"
@@ -108,7 +108,8 @@ HostedSoftware::HostedSoftware(const std::vector<std::string>& fmus, const std::
     const auto member = std::ranges::find(members_, named ? text.substr(0, mark) : required.front(), &Member::name);
     if (member->law) refuse_option("--fmu", "two FMUs for '" + member->name + "'");
     try {
-      member->law = open_fmu(named ? text.substr(mark + 1) : text, select_names(mapped, member->name, fmus.size() == 1));
+      member->law =
+          open_fmu(named ? text.substr(mark + 1) : text, select_names(mapped, member->name, fmus.size() == 1));
       const std::string missing = member->law->attach(describe_vehicle(scenario));
       if (!missing.empty()) refuse_option("--fmu", "the scenario lacks, " + missing);
     } catch (const fsw::ControlError& error) {

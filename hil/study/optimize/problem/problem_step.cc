@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "hil/scenario/random/philox.h"
+#include "hil/scenario/base/philox.h"
 #include "hil/study/campaign/samples/campaign_step.h"
 
 namespace unlatch::hil {

@@ -17,6 +17,10 @@ struct TableLookup {
 // Of all laws of a valid model, in their order.
 std::vector<TableLookup> list_table_lookups(const Model& model);
 
+// Per law of a valid model, the bodies of the elements that read it, directly or through other laws; without the
+// ground.
+std::vector<std::vector<int>> list_bodies_of_laws(const Model& model);
+
 // Where the laws looked tables up at the end of the latest step.
 std::span<const double> get_law_places(const Workspace& workspace) noexcept;
 

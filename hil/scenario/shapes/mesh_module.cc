@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "hil/scenario/meshes/mesh_tree.h"
+#include "hil/scenario/shapes/mesh_tree.h"
 
 namespace unlatch::hil {
 namespace {

@@ -6,7 +6,7 @@
 // boxes and triangles have the kernel's distances (unlatch/geometry.h), so the only error is that of the facets.
 #pragma once
 
-#include "hil/scenario/meshes/triangle_mesh.h"
+#include "hil/scenario/shapes/triangle_mesh.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::hil {

@@ -1,4 +1,4 @@
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
 
 #include <dlfcn.h>
 #include <link.h>

@@ -1,5 +1,5 @@
-// Interface between a search and its libraries, NLopt and pagmo. They are in a separate module (hil/scenario/modules), because
-// they are slow to load, only `unlatch optimize` needs them, and they are built only where they are installed.
+// Interface between a search and its libraries, NLopt and pagmo. They are in a separate module (hil/scenario/base),
+// because they are slow to load, only `unlatch optimize` needs them, and they are built only where they are installed.
 //
 // All values are scaled: variables 0 … 1, a constraint c is met if c <= 0, objectives are minimised.
 #pragma once

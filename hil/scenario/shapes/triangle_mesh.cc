@@ -1,10 +1,10 @@
-#include "hil/scenario/meshes/triangle_mesh.h"
+#include "hil/scenario/shapes/triangle_mesh.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "hil/scenario/meshes/mesh_tree.h"
-#include "hil/scenario/modules/module.h"
+#include "hil/scenario/base/module.h"
+#include "hil/scenario/shapes/mesh_tree.h"
 
 namespace unlatch::hil {
 

@@ -1,4 +1,4 @@
-// pagmo behind the interface of hil/study/optimize/libraries/optimizers.h.
+// pagmo behind the interface of hil/study/optimize/optimizers.h.
 #include <algorithm>
 #include <pagmo/algorithm.hpp>
 #include <pagmo/algorithms/cmaes.hpp>
@@ -17,7 +17,7 @@
 #include <pagmo/problem.hpp>
 #include <string>
 
-#include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/optimize/optimizers.h"
 
 namespace unlatch::hil {
 namespace {

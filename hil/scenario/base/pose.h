@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "hil/scenario/model/index.h"
+#include "hil/scenario/base/index.h"
 #include "unlatch/model.h"
 
 namespace unlatch::hil {

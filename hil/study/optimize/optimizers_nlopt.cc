@@ -1,4 +1,4 @@
-// NLopt behind the interface of hil/study/optimize/libraries/optimizers.h.
+// NLopt behind the interface of hil/study/optimize/optimizers.h.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -6,7 +6,7 @@
 #include <nlopt.hpp>
 #include <string>
 
-#include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/optimize/optimizers.h"
 
 namespace unlatch::hil {
 namespace {

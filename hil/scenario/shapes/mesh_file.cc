@@ -1,4 +1,4 @@
-#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/shapes/mesh_file.h"
 
 #include <algorithm>
 #include <bit>

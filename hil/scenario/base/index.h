@@ -23,8 +23,8 @@ inline RowSet list_held_rows(const Joint& joint) {
   return rows;
 }
 
-// Number, as in State::elements, of the model's first one-sided force; the others follow it. Counted from the front: new
-// kinds of elements come after all others.
+// Number, as in State::elements, of the model's first one-sided force; the others follow it. Counted from the front:
+// new kinds of elements come after all others.
 inline int get_first_one_sided(const Model& model) {
   return static_cast<int>(model.loads.size() + model.point_springs.size() + model.joint_springs.size() +
                           model.plane_torsions.size() + model.contacts.size());

@@ -1,4 +1,4 @@
-#include "hil/scenario/random/normal.h"
+#include "hil/scenario/base/normal.h"
 
 #include <cmath>
 #include <cstddef>

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "hil/scenario/meshes/triangle_mesh.h"
+#include "hil/scenario/shapes/triangle_mesh.h"
 
 namespace unlatch::hil {
 
