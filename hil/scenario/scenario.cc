@@ -131,7 +131,7 @@ std::string name_surface_shape(const Scenario& scenario, int surface, int shape)
   return own.name;
 }
 
-std::string tell_absence(const FlightSoftware& flight_software, const std::string& something) {
+std::string describe_absence(const FlightSoftware& flight_software, const std::string& something) {
   std::string names;
   for (const std::string& name : flight_software.required) names += (names.empty() ? "" : ", ") + name;
   if (names.empty()) return "";

@@ -97,7 +97,7 @@ inline const std::vector<BodyShape>& get_shapes(const Scenario& scenario, int bo
 std::string name_surface_shape(const Scenario& scenario, int surface, int shape);
 
 // Says that the required flight software takes no part in something, such as "a campaign"; empty if none is required.
-std::string tell_absence(const FlightSoftware& flight_software, const std::string& something);
+std::string describe_absence(const FlightSoftware& flight_software, const std::string& something);
 
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
 // is a ScenarioError as well. A text that includes other files contains them too, like Scenario::text.

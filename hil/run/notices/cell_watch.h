@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "unlatch/model/law_places.h"
 #include "unlatch/model.h"
+#include "unlatch/model/law_places.h"
 
 namespace unlatch::hil {
 

@@ -28,12 +28,6 @@ std::string describe_size(const char* what, double size) {
                 size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate);
 }
 
-// Name of a guard: an index into the model's events, then into its contacts.
-const std::string& get_guard_name(const Model& model, int guard) {
-  const std::size_t i = at(guard), events = model.events.size();
-  return i < events ? model.events[i].name : model.contacts[i - events].name;
-}
-
 }  // namespace
 
 NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation, bool audits)
@@ -71,26 +65,6 @@ void NoticeWatch::add(std::string name, std::string subject, std::string text, s
   if (!unresolved.empty())
     unresolved_.add(unresolved, name + (subject.empty() ? "" : " " + subject) + ": " + text, time, simulation_.state());
   notices_.push_back({time, std::move(name), std::move(subject), std::move(text), time, !unresolved.empty()});
-}
-
-template <class Describe>
-void NoticeWatch::report(Slot& slot, const char* name, const std::string& subject, double size,
-                         const Describe& describe, std::span<const int> unresolved) {
-  if (slot.number >= 0 && size <= slot.worst) return;
-  slot.worst = size;
-  if (slot.number >= 0) {
-    RunNotice& notice = notices_[at(slot.number)];
-    notice.text = describe();
-    notice.worst_time = simulation_.get_time();
-    if (!unresolved.empty() && !notice.unresolved) {
-      notice.unresolved = true;
-      unresolved_.add(unresolved, std::string(name) + " " + subject + ": " + notice.text, notice.worst_time,
-                      simulation_.state());
-    }
-    return;
-  }
-  slot.number = static_cast<int>(notices_.size());
-  add(name, subject, describe(), unresolved);
 }
 
 std::string NoticeWatch::describe_unresolved() const {
@@ -392,54 +366,6 @@ void NoticeWatch::watch_drift() {
   if (drift <= limit) return;
   drifted_ = true;
   add("drift", "", format("a joint's rows are off by %.3g m or rad, beyond %.3g", drift, limit));
-}
-
-void NoticeWatch::watch_search(const StepReport& report) {
-  const OpenSearch& open = report.open;
-  if (report.postponed > 0 && !postponed_) {
-    postponed_ = true;
-    add("search", "",
-        format("a step had more instants with events than its %d: the rest were left to the next tick",
-               simulation_.plan().get_options().max_splits),
-        list_all_bodies(scenario_.model));
-  }
-  if (open.unlocated > 0 && !unlocated_) {
-    unlocated_ = true;
-    add("search", get_guard_name(scenario_.model, open.guard),
-        format("its instant is known to %.2g s only: the tries of a step ran out; a smaller step would do",
-               open.interval),
-        list_all_bodies(scenario_.model));
-  }
-  if (open.corners > 0 && !cornered_) {
-    cornered_ = true;
-    std::vector<int> bodies;
-    for (const std::vector<int>& own : list_bodies_of_laws(scenario_.model))
-      for (const int body : own)
-        if (std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
-    add("search", "", "a step passed more corners of laws than it may be split at; a smaller step would do", bodies);
-  }
-  if (open.unseen > 0 && !unseen_) {
-    unseen_ = true;
-    add("search", scenario_.model.contacts[at(open.contact)].name,
-        format("it may have touched and parted again within a step, up to %.2g m deep: the looks of a step ran out; a "
-               "smaller step would do",
-               open.depth),
-        list_contact_bodies(scenario_.model, open.contact));
-  }
-}
-
-void NoticeWatch::report_unseen(const UnseenClearance& unseen) {
-  const std::size_t event = at(unseen.event);
-  passed_.resize(scenario_.model.events.size());
-  report(
-      passed_[event], "search", get_guard_name(scenario_.model, unseen.event), -unseen.value,
-      [&] {
-        return format(
-            "its distance fell to %.6g m within a step, at %.6f s, and rose again: it did not act, because no "
-            "tick shows it; a smaller step would do",
-            unseen.value, unseen.time);
-      },
-      list_all_bodies(scenario_.model));
 }
 
 void NoticeWatch::watch_energy() {

@@ -134,4 +134,24 @@ class NoticeWatch {
   Workspace workspace_;  // workspace of frequencies
 };
 
+template <class Describe>
+void NoticeWatch::report(Slot& slot, const char* name, const std::string& subject, double size,
+                         const Describe& describe, std::span<const int> unresolved) {
+  if (slot.number >= 0 && size <= slot.worst) return;
+  slot.worst = size;
+  if (slot.number >= 0) {
+    RunNotice& notice = notices_[static_cast<std::size_t>(slot.number)];
+    notice.text = describe();
+    notice.worst_time = simulation_.get_time();
+    if (!unresolved.empty() && !notice.unresolved) {
+      notice.unresolved = true;
+      unresolved_.add(unresolved, std::string(name) + " " + subject + ": " + notice.text, notice.worst_time,
+                      simulation_.state());
+    }
+    return;
+  }
+  slot.number = static_cast<int>(notices_.size());
+  add(name, subject, describe(), unresolved);
+}
+
 }  // namespace unlatch::hil

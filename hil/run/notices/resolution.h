@@ -13,8 +13,8 @@ namespace unlatch::hil {
 // Bounds on h·ω of a motion, or h times a rate of decay. Up to kAccurate the error of the classical Runge–Kutta method
 // is (h·ω)⁴/120, 1.3e-5 of each radian of the motion; beyond kStable an oscillation grows without bound.
 inline constexpr double kAccurate = 0.2, kStable = 2.8;
-// Bound beyond which a smooth motion, of a body, spring or mode, counts as unresolved, and what depends on it is no result:
-// an error of 2e-4 of each radian.
+// Bound beyond which a smooth motion, of a body, spring or mode, counts as unresolved, and what depends on it is no
+// result: an error of 2e-4 of each radian.
 inline constexpr double kUnresolvedSize = 0.4;
 // Steps that a notice proposes are printed with three digits: this factor keeps rounding up from taking them too far.
 inline constexpr double kRoundedDown = 0.995;

@@ -122,7 +122,7 @@ std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
   return count;
 }
 
-void ScenarioReader::tell_undefined(const ClearancePair& pair) {
+void ScenarioReader::report_undefined(const ClearancePair& pair) {
   const std::size_t all = pair.a.shapes.size() * pair.b.shapes.size() - pair.except.size();
   const std::size_t count = all - count_distances(pair);
   if (count == 0) return;
@@ -140,7 +140,7 @@ int ScenarioReader::watch(const ClearancePair& pair) {
   const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& p) { return is_same_pair(p, pair); });
   if (found != pairs.end()) return static_cast<int>(found - pairs.begin());
   pairs.push_back(pair);
-  tell_undefined(pair);
+  report_undefined(pair);
   return static_cast<int>(pairs.size()) - 1;
 }
 
@@ -157,7 +157,7 @@ std::vector<ClearancePair> ScenarioReader::list_all_pairs() {
       if (count_distances(pair) > 0)
         pairs.push_back(pair);
       else
-        tell_undefined(pair);
+        report_undefined(pair);
     }
   return pairs;
 }

@@ -91,7 +91,7 @@ class ScenarioReader {
   std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // likewise, which have a distance
   std::optional<ClearancePair> read_surface_pair(const YamlNode& node);  // likewise, for the step: without meshes
   [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
-  void tell_undefined(const ClearancePair& pair);
+  void report_undefined(const ClearancePair& pair);
   std::vector<ClearancePair> list_all_pairs();
   std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
   void read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs);

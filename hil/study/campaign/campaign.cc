@@ -100,7 +100,7 @@ void CampaignReader::read_scenario(YamlMap& top, const std::vector<std::string>&
   overrides_ = all;
   try {
     campaign_.tree = std::make_shared<ScenarioTree>(campaign_.scenario, all);
-    const std::string absent = tell_absence(campaign_.tree->get_nominal().flight_software, "a campaign");
+    const std::string absent = describe_absence(campaign_.tree->get_nominal().flight_software, "a campaign");
     if (!absent.empty()) campaign_.remarks.push_back(absent);
   } catch (const ScenarioError& error) {
     for (const ScenarioMistake& mistake : error.mistakes)

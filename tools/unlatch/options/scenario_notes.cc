@@ -31,7 +31,7 @@ void warn_of_unstable_elements(const hil::Scenario& scenario) {
 }
 
 void warn_of_absent_flight_software(const hil::Scenario& scenario) {
-  const std::string absent = hil::tell_absence(scenario.flight_software, "a run at full speed");
+  const std::string absent = hil::describe_absence(scenario.flight_software, "a run at full speed");
   if (!absent.empty()) std::fprintf(stderr, "note: %s\n", absent.c_str());
 }
 

@@ -136,7 +136,7 @@ class ProblemReader {
 
   // Refuses a scenario whose flight software would have to take part.
   void refuse_flight_software(const YamlNode& node, const Scenario& scenario) {
-    const std::string absent = tell_absence(scenario.flight_software, "a search");
+    const std::string absent = describe_absence(scenario.flight_software, "a search");
     if (!absent.empty())
       mistakes_.add(node.mark, absent, "if that is what you mean, write set: {flight_software.required: []}");
   }
@@ -243,10 +243,10 @@ class ProblemReader {
     if (id == nullptr || map.node().find("probability") == nullptr) return;
     const SourceMark mark = map.node().find("probability")->mark;
     if (!problem_.campaign) {
-      if (node.find("requirement") != nullptr && !campaign_told_)
+      if (node.find("requirement") != nullptr && !campaign_reported_)
         mistakes_.add(node.mark, "a probability without a usable campaign",
                       "name one at the top: campaign: {file: campaign.yaml, samples: 64}");
-      campaign_told_ = true;
+      campaign_reported_ = true;
       return;
     }
     if (!(probability > 0 && probability < 1))
@@ -370,7 +370,7 @@ class ProblemReader {
   OptimizeProblem& problem_;
   const std::string folder_;
   Mistakes& mistakes_;
-  bool campaign_told_ = false, variables_sound_ = false;
+  bool campaign_reported_ = false, variables_sound_ = false;
 };
 
 }  // namespace

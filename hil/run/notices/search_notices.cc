@@ -1,0 +1,68 @@
+// What the search for events within a step left open.
+#include <algorithm>
+
+#include "hil/run/notices/format.h"
+#include "hil/run/notices/notices.h"
+#include "hil/scenario/base/index.h"
+#include "unlatch/model/law_places.h"
+
+namespace unlatch::hil {
+namespace {
+
+// Name of a guard: an index into the model's events, then into its contacts.
+const std::string& get_guard_name(const Model& model, int guard) {
+  const std::size_t i = at(guard), events = model.events.size();
+  return i < events ? model.events[i].name : model.contacts[i - events].name;
+}
+
+}  // namespace
+
+void NoticeWatch::watch_search(const StepReport& report) {
+  const OpenSearch& open = report.open;
+  if (report.postponed > 0 && !postponed_) {
+    postponed_ = true;
+    add("search", "",
+        format("a step had more instants with events than its %d: the rest were left to the next tick",
+               simulation_.plan().get_options().max_splits),
+        list_all_bodies(scenario_.model));
+  }
+  if (open.unlocated > 0 && !unlocated_) {
+    unlocated_ = true;
+    add("search", get_guard_name(scenario_.model, open.guard),
+        format("its instant is known to %.2g s only: the tries of a step ran out; a smaller step would do",
+               open.interval),
+        list_all_bodies(scenario_.model));
+  }
+  if (open.corners > 0 && !cornered_) {
+    cornered_ = true;
+    std::vector<int> bodies;
+    for (const std::vector<int>& own : list_bodies_of_laws(scenario_.model))
+      for (const int body : own)
+        if (std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
+    add("search", "", "a step passed more corners of laws than it may be split at; a smaller step would do", bodies);
+  }
+  if (open.unseen > 0 && !unseen_) {
+    unseen_ = true;
+    add("search", scenario_.model.contacts[at(open.contact)].name,
+        format("it may have touched and parted again within a step, up to %.2g m deep: the looks of a step ran out; a "
+               "smaller step would do",
+               open.depth),
+        list_contact_bodies(scenario_.model, open.contact));
+  }
+}
+
+void NoticeWatch::report_unseen(const UnseenClearance& unseen) {
+  const std::size_t event = at(unseen.event);
+  passed_.resize(scenario_.model.events.size());
+  report(
+      passed_[event], "search", get_guard_name(scenario_.model, unseen.event), -unseen.value,
+      [&] {
+        return format(
+            "its distance fell to %.6g m within a step, at %.6f s, and rose again: it did not act, because no "
+            "tick shows it; a smaller step would do",
+            unseen.value, unseen.time);
+      },
+      list_all_bodies(scenario_.model));
+}
+
+}  // namespace unlatch::hil
