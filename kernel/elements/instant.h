@@ -10,12 +10,17 @@
 
 namespace unlatch {
 
+// The branches of laws that jump (`if_less`). A stage takes those of the beginning of its sub-step, so that no stage
+// sees the other side of a jump before the sub-step ends there (events/event_search.cc).
+enum class Branches { kDecide, kHold };
+
 struct Instant {
   const PlanData& plan;
   const Inputs& inputs;
   const State& state;   // modes and memory of joints, elements, events, signals; no motion, see above
   double t;             // s
   Implicit implicit{};  // stage of ROS2, if it is one
+  Branches branches = Branches::kDecide;
 };
 
 }  // namespace unlatch

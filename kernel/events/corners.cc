@@ -8,15 +8,16 @@
 namespace unlatch {
 namespace {
 
-constexpr double kNear = 1e-5;  // part of the step, from either end of a sub-step
+constexpr double kNear = 1e-5;       // part of the step, from either end of a sub-step
+constexpr double kNearJump = 1e-12;  // part of the sub-step, from its end: rounding of times
 
 }  // namespace
 
 PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
-                         std::span<const double> at_end) noexcept {
+                         std::span<const double> at_end, const PassedCorner& ended) noexcept {
   PassedCorner found;
   const double margin = kNear * plan.options.dt / (end - begin);
-  double first_part = 1 - margin;
+  double first = 1;
   for (const PlanCorner& corner : plan.laws.corners) {
     const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)];
     if (!(a < b || b < a)) continue;  // at rest, or NaN
@@ -26,10 +27,11 @@ PassedCorner find_corner(const PlanData& plan, double begin, double end, std::sp
     if (high - low > kMostCorners) continue;
     for (std::ptrdiff_t i = 0; i < high - low; ++i) {
       const double knot = a < b ? low[i] : high[-1 - i], part = (knot - a) / (b - a);
-      if (part <= margin) continue;
-      if (part < first_part) {
-        first_part = part;
-        found = {corner.place, knot};
+      const bool exact = corner.jumps && !(corner.place == ended.place && knot == ended.knot);
+      if (part <= margin && !corner.jumps) continue;
+      if (part < first && part < 1 - (exact ? kNearJump : margin)) {
+        first = part;
+        found = {corner.place, knot, corner.jumps};
       }
       break;
     }

@@ -13,13 +13,16 @@ namespace unlatch {
 struct PassedCorner {
   std::int32_t place = kNone;  // in Evaluation::law_places; kNone: no corner is passed
   double knot = 0;             // that is passed there
+  bool jumps = false;          // the law's value may jump there
 };
 
 // The first corner that is passed in a sub-step from `begin` to `end`, by the chords between what the laws' places have
-// at both ends. Corners very near either end do not count: what they cost in accuracy is rounding. Nor do those of an
-// axis of which more than kMostCorners knots are passed: a table that is finer than the step.
+// at both ends. Corners very near either end do not count: what they cost in accuracy is rounding. Jumps count up to
+// the end, be it at the beginning. Those of an axis of which more than kMostCorners knots are passed do not count: a
+// table that is finer than the step. `ended`: the corner just behind which the sub-step ends, which does not count
+// again.
 PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
-                         std::span<const double> at_end) noexcept;
+                         std::span<const double> at_end, const PassedCorner& ended = {}) noexcept;
 
 // True if some place goes beyond a corner and is back at the end of the sub-step, as its values in the middle show: the
 // chord between both ends does not. What is over before the middle, or begins behind it, is not seen.

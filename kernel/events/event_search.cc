@@ -18,6 +18,8 @@ constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
 constexpr int kMostLooks = 8;  // tries that search for touches within a sub-step
 constexpr int kMostCornerTries = 6;
+constexpr int kMostJumpTries = 12;    // that end behind it
+constexpr double kBeyond = 16;        // growth of what a try beyond the estimate adds
 constexpr int kMostCornerSplits = 8;  // of a step
 
 // Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
@@ -221,11 +223,12 @@ bool may_split_at_corner(Run& run) {
 }
 
 // The time of the first corner that the chords up to `end` show, of which the evaluation is; `end` if there is none, or
-// kFailed. The evaluation is of that time, guards_high too.
-[[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end) {
+// kFailed. The evaluation is of that time, guards_high too. `ended`: the corner at which the sub-step ends already.
+[[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end, PassedCorner& ended) {
   EventSearch& s = run.search();
-  const PassedCorner corner = find_corner(run.plan, start.t, end, s.places_low, run.ev().law_places);
+  const PassedCorner corner = find_corner(run.plan, start.t, end, s.places_low, run.ev().law_places, ended);
   if (corner.place == kNone || !may_split_at_corner(run)) return end;
+  ended = corner;
   const double side = run.ev().law_places[at(corner.place)] > s.places_low[at(corner.place)] ? 1 : -1;
   const auto calc_guard = [&](std::span<const double> places) {
     return side * (places[at(corner.place)] - corner.knot);
@@ -233,9 +236,12 @@ bool may_split_at_corner(Run& run) {
   Bracket bracket{0, end - start.t, 0};
   const double tolerance = std::max(kLocated * bracket.to, run.plan.get_slack());
   double low = calc_guard(s.places_low), high = calc_guard(run.ev().law_places), middle = 0, reached = end;
+  // Behind a jump the law decides anew: the sub-step ends behind the crossing.
+  const double least = corner.jumps ? run.plan.get_slack() : 0;
+  double beyond = 0;
   Crossing next = interpolate(bracket, low, high, middle);
-  for (int i = 0; i < kMostCornerTries; ++i) {
-    const double x = next.time;
+  for (int i = 0; i < (corner.jumps ? kMostJumpTries : kMostCornerTries); ++i) {
+    const double x = std::max(next.time, least) + beyond;
     reached = std::min(start.t + x, end);
     if (!try_substep(run, start, reached)) return kFailed;
     const double guard = calc_guard(run.ev().law_places);
@@ -244,7 +250,9 @@ bool may_split_at_corner(Run& run) {
     replaced = guard;
     bracket.narrow(x, guard >= 0);
     next = interpolate(bracket, low, high, middle);
-    if (std::fabs(next.time - x) <= tolerance) break;
+    if (std::fabs(next.time - x) > tolerance) continue;
+    if (!corner.jumps || guard > 0) break;
+    beyond = beyond == 0 ? least : kBeyond * beyond;
   }
   keep_high(run);
   return reached;
@@ -255,8 +263,9 @@ bool may_split_at_corner(Run& run) {
 // the middle if a law has gone and come back there.
 [[gnu::noinline]] double find_first_corner_time(Run& run, const SubstepStart& start, double end) {
   const EventSearch& s = run.search();
+  PassedCorner ended;
   for (int i = 0; i < kMostCornerSplits; ++i) {
-    const double reached = find_corner_time(run, start, end);
+    const double reached = find_corner_time(run, start, end, ended);
     if (reached == kFailed) return reached;
     if (reached < end) {
       end = reached;

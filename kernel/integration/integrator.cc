@@ -82,6 +82,7 @@ int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independ
 // Stages at one instant share the sizes of loads.
 enum class Loads { kUpdate, kKeep };
 
+// A stage of the sub-step from `start`; `now` holds the branches that laws had there.
 int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
   complete_kinematics(now.plan, now.t, now.t > start.t ? KnotSide::kBefore : KnotSide::kAfter, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
@@ -139,13 +140,13 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
   const double h = end - start.t;
   const Implicit first = begin_compliance(plan, now.state, start.t, h, ev);
   kernels.restart(plan, ev);
-  const Instant first_stage{plan, now.inputs, now.state, start.t, first};
+  const Instant first_stage{plan, now.inputs, now.state, start.t, first, Branches::kHold};
   if (const int node = evaluate_stage(first_stage, Loads::kUpdate, start, ev); node != kNone) return node;
   if (!plan.laws.corners.empty()) keep_middle_places(ev);  // it has no stage in the middle: those of the beginning
   lead_modal_rates(plan, first, ev);
   kernels.finish_first_stage(plan, ev, h, first.gamma_h);
   const Implicit second = begin_second_stage(plan, first, ev);
-  const Instant second_stage{plan, now.inputs, now.state, end, second};
+  const Instant second_stage{plan, now.inputs, now.state, end, second, Branches::kHold};
   if (const int node = evaluate_stage(second_stage, Loads::kUpdate, start, ev); node != kNone) return node;
   lead_modal_rates(plan, second, ev);
   kernels.finish_second_stage(plan, ev, h, second.gamma_h);
@@ -224,14 +225,17 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
   get_kernels(plan).begin_substep(plan, ev);
   keep_cluster_rows(ev);
+  std::copy_n(ev.branches.begin(), ev.branches.size(), ev.branches_at_start.begin());
   return {t, ev.loop_count - ev.loop_redundant};
 }
 
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept {
   const double h = end - start.t;
+  std::copy_n(ev.branches_at_start.begin(), ev.branches.size(), ev.branches.begin());
   if (is_stiff(now.plan, now.state, start.t + 0.5 * h)) return integrate_implicitly(now, start, end, ev);
-  const Instant middle_stages{now.plan, now.inputs, now.state, start.t + 0.5 * h};
-  return integrate_explicitly(middle_stages, {now.plan, now.inputs, now.state, end}, start, ev);
+  const Instant middle{now.plan, now.inputs, now.state, start.t + 0.5 * h, {}, Branches::kHold};
+  const Instant last{now.plan, now.inputs, now.state, end, {}, Branches::kHold};
+  return integrate_explicitly(middle, last, start, ev);
 }
 
 int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept {

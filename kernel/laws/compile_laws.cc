@@ -161,18 +161,18 @@ class LawCompiler {
   // A linear table has corners at its knots, a smooth one where it is left, a branch where it changes.
   void append_corners(const LawStep& step, std::int32_t place) {
     if (step.kind != LawStep::Kind::kTable) {
-      plan_.corners.push_back({place, zero_, 1});
+      plan_.corners.push_back({place, zero_, 1, step.kind == LawStep::Kind::kIfLess});
       return;
     }
     const PlanTable& table = plan_.tables[at(step.subject)];
     for (std::int32_t a = 0; a < table.axis_count; ++a) {
       const PlanTableAxis& axis = plan_.axes[at(table.first_axis + a)];
       if (!table.smooth) {
-        plan_.corners.push_back({place + a, axis.knots, axis.count});
+        plan_.corners.push_back({place + a, axis.knots, axis.count, false});
         continue;
       }
-      plan_.corners.push_back({place + a, axis.knots, 1});
-      plan_.corners.push_back({place + a, axis.knots + axis.count - 1, 1});
+      plan_.corners.push_back({place + a, axis.knots, 1, false});
+      plan_.corners.push_back({place + a, axis.knots + axis.count - 1, 1, false});
     }
   }
 

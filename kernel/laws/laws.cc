@@ -138,10 +138,11 @@ double calc_law(const Instant& now, std::span<const double> operands, std::span<
       case Kind::kIfLess:
         top -= 3;
         traces.places[at(step.place)] = top[-1] - top[0];
+        if (now.branches == Branches::kDecide) traces.branches[at(step.place)] = top[-1] < top[0] ? 1 : 0;
         if (top[-1] != top[-1] || top[0] != top[0])
           top[-1] += top[0];  // NaN
         else
-          top[-1] = top[-1] < top[0] ? top[1] : top[2];
+          top[-1] = traces.branches[at(step.place)] != 0 ? top[1] : top[2];
         break;
       case Kind::kAbs:
         traces.places[at(step.place)] = top[-1];
@@ -166,7 +167,7 @@ void update_range(const Instant& now, Range operands, Range laws, Evaluation& ev
     ev.law_operands[i] = calc_scalar(now, ev, now.plan.quantities[at(plan.operands[i])]);
   for (std::size_t i = laws.from; i < laws.to; ++i)
     ev.laws[at(plan.order[i])] =
-        calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places}, plan.order[i]);
+        calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places, ev.branches}, plan.order[i]);
 }
 
 }  // namespace

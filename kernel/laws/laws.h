@@ -19,8 +19,9 @@ void update_other_laws(const Instant& now, Evaluation& ev) noexcept;
 
 // What a law leaves beside its value.
 struct LawTraces {
-  std::span<TableExit> exits;  // per table
-  std::span<double> places;    // as PlanLawStep::place
+  std::span<TableExit> exits;        // per table
+  std::span<double> places;          // as PlanLawStep::place
+  std::span<std::int32_t> branches;  // likewise; read instead of written where the instant holds its branches
 };
 // Value of one law. `operands`: as PlanLaws::operands; `laws`: those that it reads.
 double calc_law(const Instant& now, std::span<const double> operands, std::span<const double> laws,

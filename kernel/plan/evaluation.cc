@@ -52,6 +52,8 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.laws, plan.laws.list.size());
   arena.take(ev.law_operands, plan.laws.operands.size());
   arena.take(ev.law_places, static_cast<std::size_t>(plan.law_numbers.places));
+  for (std::span<std::int32_t>* branches : {&ev.branches, &ev.branches_at_start})
+    arena.take(*branches, static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(ev.middle_places, plan.laws.corners.empty() ? 0 : static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(ev.table_exits, plan.laws.tables.size());
   arena.take(ev.friction_sizes, plan.frictions.size());
@@ -123,6 +125,8 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
   for (TableExit& exit : ev.table_exits) exit = {};
+  for (const std::span<std::int32_t> branches : {ev.branches, ev.branches_at_start})
+    for (std::int32_t& branch : branches) branch = 0;
   for (const std::span<double> places : {ev.law_places, ev.middle_places})
     for (double& place : places) place = 0;
   for (double& tolerance : data_->exact) tolerance = 0;

@@ -170,9 +170,11 @@ struct Evaluation {
   std::span<double> rotation_sines, rotation_cosines;  // its scratch, per rotation
 
   // computed by update_driving_laws() and update_other_laws()
-  std::span<double> laws;            // per law
-  std::span<double> law_operands;    // as PlanLaws::operands
-  std::span<double> law_places;      // as PlanLawStep::place
+  std::span<double> laws;                     // per law
+  std::span<double> law_operands;             // as PlanLaws::operands
+  std::span<double> law_places;               // as PlanLawStep::place
+  std::span<std::int32_t> branches;           // per place that decides `if_less`: 1 if it is less
+  std::span<std::int32_t> branches_at_start;  // those of the sub-step's beginning, which its stages keep
   std::span<double> middle_places;   // those in the middle of the latest sub-step, by its stages; none without corners
   std::span<TableExit> table_exits;  // per table
 

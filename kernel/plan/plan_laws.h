@@ -44,6 +44,7 @@ struct PlanLawStep {
 // Where a law that forces read has corners: where a number of Evaluation::law_places is at one of these knots.
 struct PlanCorner {
   std::int32_t place, knots, count;  // the first knot, into PlanLaws::numbers; how many
+  bool jumps;                        // the value may jump there: `if_less`
 };
 
 struct PlanLaw {

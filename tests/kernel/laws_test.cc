@@ -435,6 +435,47 @@ TEST(Laws, OfABumpInTheMiddleOfAStepAreSplitAtItsEnds) {
   EXPECT_NEAR(s.state.bodies[0].v.x, 4.0 / 3 * kCurve * kHalf * kHalf * kHalf / kMass, 1e-12);
 }
 
+// A force that sets in at an instant, between two ticks, at one, and next to one: no stage sees its other side.
+TEST(Laws, ThatJumpAreExactOnBothSides) {
+  constexpr double kForce = 10, kMass = 2, kDt = 0.01;
+  for (const double instant : {0.5037, 0.503333, 0.505, 0.5, 0.5 + 1e-9, 0.5 - 1e-9, 0.5 + 3e-8, 0.5 - 3e-8}) {
+    Model model = build_pushed({quantity(1), constant(instant), constant(0), constant(kForce), step_of(Kind::kIfLess)});
+    Quantity time;
+    time.name = "time";
+    model.quantities.push_back(time);
+    Simulation s(model, {.dt = kDt});
+    for (int i = 0; i < 100; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+    EXPECT_NEAR(s.state.bodies[0].v.x, kForce / kMass * (1 - instant), 1e-9) << instant;
+    EXPECT_NEAR(s.state.bodies[0].p.x, 0.5 * kForce / kMass * (1 - instant) * (1 - instant), 1e-9) << instant;
+  }
+}
+
+// Bang-bang braking: the force turns round where x passes 0.3 m; the place follows in closed form. Started on the very
+// place of the jump, the body takes the side into which it moves.
+TEST(Laws, ThatJumpAtAPlaceAreExactOnBothSides) {
+  constexpr double kForce = 1, kMass = 2, kPlace = 0.3;
+  const auto build = [&](double place) {
+    return build_pushed({quantity(0), constant(place), constant(kForce), constant(-kForce), step_of(Kind::kIfLess)});
+  };
+  {
+    Model model = build(kPlace);
+    model.bodies[0].p_WB.setZero();
+    model.bodies[0].v_WB = {1, 0, 0};
+    Simulation s(model, {.dt = 0.01});
+    for (int i = 0; i < 50; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+    const double a = kForce / kMass, speed = std::sqrt(1 + 2 * a * kPlace), until = (speed - 1) / a, rest = 0.5 - until;
+    EXPECT_NEAR(s.state.bodies[0].p.x, kPlace + speed * rest - 0.5 * a * rest * rest, 1e-9);
+  }
+  for (const double speed : {1.0, -1.0}) {
+    Model model = build(0);
+    model.bodies[0].p_WB.setZero();
+    model.bodies[0].v_WB = {speed, 0, 0};
+    Simulation s(model, {.dt = 0.01});
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+    EXPECT_NEAR(s.state.bodies[0].p.x, speed * (0.1 - 0.5 * kForce / kMass * 0.1 * 0.1), 1e-9) << speed;
+  }
+}
+
 TEST(Laws, WithMoreCornersInAStepThanItMayBeSplitAtAreReported) {
   std::vector<LawStep> law{constant(0)};
   for (int i = 1; i <= 12; ++i)
