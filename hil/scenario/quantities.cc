@@ -193,4 +193,9 @@ std::vector<unlatch::Quantity> list_possible_quantities(const Model& model) {
   return list;
 }
 
+std::string get_unit(const Model& model, const Sensor& sensor) {
+  return sensor.kind == Sensor::Kind::kQuantity ? unlatch::get_unit(model, get_quantity(model, sensor))
+                                                : sensor_unit(sensor.kind);
+}
+
 }  // namespace unlatch::hil

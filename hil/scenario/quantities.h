@@ -24,6 +24,8 @@ bool needs_more(const QuantityTraits& traits);
 std::string write_pattern(const QuantityTraits& traits);
 // How a quantity is written: "velocity: {body: pod, relative_to: core}".
 std::string write_quantity(const Model& model, const unlatch::Quantity& quantity);
+// Unit of a sensor's values: "kg/m3"; "N, N m" where some values have one and some the other.
+std::string get_unit(const Model& model, const Sensor& sensor);
 
 // Quantities that a scenario may name: each kind with each of its subjects and rows, of vectors the size, seen from the
 // ground. Those of two surfaces are of pairs that the model has.

@@ -39,15 +39,30 @@ PassedCorner find_corner(const PlanData& plan, double begin, double end, std::sp
   return found;
 }
 
-bool passes_and_returns(const PlanData& plan, std::span<const double> at_begin, std::span<const double> in_middle,
-                        std::span<const double> at_end) noexcept {
+namespace {
+
+// True if the way from a to b passes a knot at a part of it between `from` and `to`.
+bool passes(const double* knots, std::int32_t count, double a, double b, double from, double to) {
+  const double* const low = std::upper_bound(knots, knots + count, std::min(a, b));
+  const double* const high = std::upper_bound(low, knots + count, std::max(a, b));
+  return std::any_of(low, high, [&](double knot) {
+    const double part = (knot - a) / (b - a);
+    return part > from && part < to;
+  });
+}
+
+}  // namespace
+
+bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept {
+  const double margin =
+      4 * kNear * plan.options.dt / (end - begin);  // of a half: twice that of the whole, and to spare
   for (const PlanCorner& corner : plan.laws.corners) {
-    const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)], m = in_middle[at(corner.place)];
-    const double low = std::min(a, b), high = std::max(a, b);
-    if (!(m > high || m < low)) continue;
+    const double a = places.at_begin[at(corner.place)], b = places.at_end[at(corner.place)];
+    const double m = places.in_middle[at(corner.place)];
     const double* const knots = &plan.laws.numbers[at(corner.knots)];
-    const double* const knot = std::upper_bound(knots, knots + corner.count, m > high ? high : m);
-    if (knot != knots + corner.count && *knot < (m > high ? m : low)) return true;
+    const double* const low = std::upper_bound(knots, knots + corner.count, std::min(a, b));
+    if (std::upper_bound(low, knots + corner.count, std::max(a, b)) - low > kMostCorners) continue;
+    if (passes(knots, corner.count, a, m, margin, 1) || passes(knots, corner.count, m, b, 0, 1 - margin)) return true;
   }
   return false;
 }

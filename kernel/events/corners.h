@@ -24,9 +24,12 @@ struct PassedCorner {
 PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
                          std::span<const double> at_end, const PassedCorner& ended = {}) noexcept;
 
-// True if some place goes beyond a corner and is back at the end of the sub-step, as its values in the middle show: the
-// chord between both ends does not. What is over before the middle, or begins behind it, is not seen.
-bool passes_and_returns(const PlanData& plan, std::span<const double> at_begin, std::span<const double> in_middle,
-                        std::span<const double> at_end) noexcept;
+// What the laws' places are in a sub-step.
+struct PassedPlaces {
+  std::span<const double> at_begin, in_middle, at_end;
+};
+// True if the values in the middle show a corner that the chord between both ends does not: a law that goes and comes
+// back, or comes back to where it began just before. What is over before the middle, or begins behind it, is not seen.
+bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept;
 
 }  // namespace unlatch

@@ -270,9 +270,8 @@ bool may_split_at_corner(Run& run) {
     if (reached < end) {
       end = reached;
     } else {
-      if (!passes_and_returns(run.plan, s.places_low, run.ev().middle_places, run.ev().law_places) ||
-          !may_split_at_corner(run))
-        return end;
+      const PassedPlaces places{s.places_low, run.ev().middle_places, run.ev().law_places};
+      if (!passes_and_returns(run.plan, start.t, end, places) || !may_split_at_corner(run)) return end;
       end = 0.5 * (start.t + end);
       if (!try_substep(run, start, end)) return kFailed;
       keep_high(run);

@@ -181,12 +181,13 @@ class SideBySide {
           high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
         return false;
     if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
-    if (!own.laws.corners.empty() &&
-        (find_corner(own, begin_, end_, get_places(m, search_.places_low), get_places(m, ev_.law_places)).place !=
-             kNone ||
-         passes_and_returns(own, get_places(m, search_.places_low), get_places(m, ev_.middle_places),
-                            get_places(m, ev_.law_places))))
-      return false;
+    if (!own.laws.corners.empty()) {
+      const PassedPlaces places{get_places(m, search_.places_low), get_places(m, ev_.middle_places),
+                                get_places(m, ev_.law_places)};
+      if (find_corner(own, begin_, end_, places.at_begin, places.at_end).place != kNone ||
+          passes_and_returns(own, begin_, end_, places))
+        return false;
+    }
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)
       if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||

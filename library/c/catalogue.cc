@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "hil/scenario/measurable.h"
+#include "hil/scenario/quantities.h"
 #include "library/c/errors.h"
 
 namespace unlatch::library {
@@ -32,7 +33,7 @@ Catalogue::Catalogue(const hil::Scenario& scenario) {
   }
   std::int32_t first = 0;
   for (const Sensor& sensor : model.sensors) {
-    unlatch_item& item = add(UNLATCH_SENSOR, sensor.name, sensor_unit(sensor.kind), "");
+    unlatch_item& item = add(UNLATCH_SENSOR, sensor.name, hil::get_unit(model, sensor), "");
     item.first = first;
     item.width = sensor_width(sensor.kind);
     first += item.width;

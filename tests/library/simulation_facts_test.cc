@@ -41,7 +41,7 @@ step: {dt: 10 ms, until: 1}
 environment: {planet: wgs84, atmosphere: us1976}
 start: {latitude: 0, longitude: 0, altitude: 1 km}
 bodies: {ball: {mass: 2, inertia: [1, 1, 1]}}
-channels: {gain: {initial: 1}}
+channels: {gain: {initial: 1, range: [0, 4]}}
 tables: {push: {axes: {height: {of: "altitude", at: [0, 1e5], ends: clamp}}, values: [6, 6], unit: N, scale_channel: gain}}
 quantities:
   altitude: {altitude: ball}

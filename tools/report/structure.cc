@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "hil/scenario/quantities.h"
 #include "tools/common/shape_json.h"
 #include "unlatch/inertia.h"
 #include "unlatch/readings.h"
@@ -178,7 +179,7 @@ Json build_sensors(const Model& model, std::size_t column) {
     const auto width = static_cast<std::size_t>(sensor_width(sensor.kind));
     list.push_back({{"name", sensor.name},
                     {"kind", static_cast<int>(sensor.kind)},
-                    {"unit", sensor_unit(sensor.kind)},
+                    {"unit", hil::get_unit(model, sensor)},
                     {"width", width},
                     {"column", column}});
     column += width;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hil/scenario/outputs.h"
-#include "unlatch/quantities.h"
+#include "hil/scenario/quantities.h"
 
 namespace unlatch::hil {
 namespace {
@@ -83,8 +83,7 @@ std::vector<CatalogMessage> build_catalog(const Model& model) {
   }
   std::size_t value = 0;
   for (const Sensor& sensor : model.sensors) {
-    const std::string unit = sensor.kind == Sensor::Kind::kQuantity ? get_unit(model, get_quantity(model, sensor))
-                                                                    : sensor_unit(sensor.kind);
+    const std::string unit = get_unit(model, sensor);
     for (const char* component : get_sensor_components(sensor.kind)) {
       items.push_back(make_item(CatalogKind::kSensor, value++, sensor.name + component, unit.c_str()));
     }

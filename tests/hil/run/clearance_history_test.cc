@@ -181,7 +181,7 @@ TEST(ClearanceHistory, OfGroupsAtLongStepsIsThatAtShortOnes) {
 TEST(ClearanceHistory, ADistanceThatNoTickShowsToAnEventIsReported) {
   const std::string near =
       std::string(kPassesWithinAStep) +
-      "events: [{name: near, when: {clearance: {between: [ball, ground], below: 1 mm}}, then: []}]\n";
+      "events: [{name: near, when: {clearance: {between: [ball, ground]}, below: 1 mm}, then: []}]\n";
   const auto count = [](const AnalysedRun& run) {
     return std::ranges::count(run.analysis.accuracy().get(), "search", &hil::RunNotice::name);
   };
