@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kWait = 5ms;      // for a message, before the sockets are looked at again
-constexpr auto kLinger = 500ms;  // after a session's last State, for what is still on its way to clients
+constexpr auto kTelemetryLinger = 500ms;  // after a session's last State, for what is still on its way to clients
 
 struct Options {
   TransportOptions transport;
@@ -81,7 +81,7 @@ int run(const Options& options) {
   const auto begun = Clock::now();
   auto ended = Clock::time_point::max();
   bool busy = false;
-  for (auto now = begun; !stop.load() && now - kLinger < ended; now = Clock::now()) {
+  for (auto now = begun; !stop.load() && now - kTelemetryLinger < ended; now = Clock::now()) {
     if (options.seconds > 0 && now - begun > std::chrono::duration<double>(options.seconds)) break;
     if (port->poll(message, busy ? 0ms : kWait)) {
       telemetry->hear(message, now);
