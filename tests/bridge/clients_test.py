@@ -98,6 +98,14 @@ class ClientsTest(ProcessTest):
         self.begin(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
         self.assertEqual(host.wait(30), 1)
 
+    def test_components_for_cfs_fprime_and_ros_fly_the_pilots_bits(self):
+        wanted = self.fly("udp", [BIN / "example_pilot_udp"])["hash"]
+        for stack in ("cfs", "fprime", "ros2"):
+            host = self.begin(BIN / f"stack_{stack}")
+            report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
+            self.assertIn("the session ended at tick 500", self.finish(host), stack)
+            self.assertEqual(report["hash"], wanted, stack)
+
     def test_the_udp_participant_answers_states_that_are_resent(self):
         """A line that loses and repeats states, commands and answers changes no bit."""
         clean = self.fly("udp", [BIN / "example_pilot_udp"])
