@@ -51,9 +51,11 @@ inside() {
 
   echo "== Python"
   cat >own.py <<'END'
+import importlib.metadata
 import sys
 import unlatch
 assert unlatch.__file__.startswith(sys.argv[1]), unlatch.__file__
+assert importlib.metadata.version("unlatch") and importlib.metadata.requires("unlatch") == ["numpy"]
 with unlatch.load("/usr/share/unlatch/scenarios/interstage/duct.yaml", judge=True) as sim:  # the clearance of a mesh is judged
     sim.run(until=0.01)
 with unlatch.load("/usr/share/unlatch/scenarios/boosters/reference.yaml") as sim:
