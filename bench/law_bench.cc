@@ -73,7 +73,7 @@ void calculate(benchmark::State& bench, int operations) {
   const Instant now{simulation.data(), inputs, simulation.state, simulation.get_time()};
   const Evaluation& ev = simulation.evaluation();
   for (auto _ : bench)
-    benchmark::DoNotOptimize(calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places}, 0));
+    benchmark::DoNotOptimize(calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places, ev.branches}, 0));
 }
 
 void read_quantity(benchmark::State& bench, Quantity::Kind kind) {
