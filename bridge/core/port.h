@@ -144,9 +144,20 @@ struct UdpOptions {
 };
 [[nodiscard]] std::unique_ptr<Port> open_udp_port(Role role, const UdpOptions& options = {});
 
+// A serial line between the simulator and one other program, with the datagrams of UDP as frames (bridge/UDP.md).
+// Throws PortError.
+struct UartOptions {
+  std::string device;  // "/dev/ttyUSB0"
+  int baud = 115200;   // 8 bits, no parity, one stop bit
+};
+// "/dev/ttyUSB0,115200", or without the rate. Throws PortError.
+[[nodiscard]] UartOptions parse_uart(const std::string& text);
+[[nodiscard]] std::unique_ptr<Port> open_uart_port(Role role, const UartOptions& options);
+
 // A sentence for people: the interface used, and who else may use it.
 [[nodiscard]] std::string describe(const DdsOptions& options);
 [[nodiscard]] std::string describe(const LcmOptions& options);
 [[nodiscard]] std::string describe(const UdpOptions& options);
+[[nodiscard]] std::string describe(const UartOptions& options);
 
 }  // namespace unlatch::bridge

@@ -1,5 +1,6 @@
 #include "bridge/udp/udp_packet.h"
 
+#include <algorithm>
 #include <array>
 
 namespace unlatch::bridge {
@@ -88,6 +89,15 @@ std::optional<UdpPacket> read_udp_packet(std::span<const std::uint8_t> datagram)
   if (role != kJoinParticipant && role != kJoinObserver) return std::nullopt;
   packet.role = role == kJoinParticipant ? Role::kParticipant : Role::kObserver;
   return packet;
+}
+
+UdpBeginning read_udp_beginning(std::span<const std::uint8_t> stream) noexcept {
+  for (std::size_t i = 0; i < std::min<std::size_t>(stream.size(), kRunAt); ++i)
+    if (stream[i] != static_cast<std::uint8_t>(kMagic >> (24 - 8 * i))) return {true, 0};
+  if (stream.size() < kUdpHeaderBytes) return {false, 0};
+  const std::size_t length = get(stream, kLengthAt, 2);
+  if (length > hil::kMaxWireBytes || get(stream, kKindAt, 2) > hil::kMessageKinds) return {true, 0};
+  return {false, kUdpHeaderBytes + length};
 }
 
 bool UdpSequence::accept(const UdpHeader& header) noexcept {

@@ -48,6 +48,13 @@ std::size_t build_udp_join(const UdpHeader& header, Role role, std::span<std::ui
 // Nothing unless magic, kind, length and checksum are right. The message's own bytes are decode()'s to judge.
 [[nodiscard]] std::optional<UdpPacket> read_udp_packet(std::span<const std::uint8_t> datagram) noexcept;
 
+// What the first bytes of a stream of datagrams say (bridge/uart).
+struct UdpBeginning {
+  bool is_none;       // no datagram begins here
+  std::size_t bytes;  // of the datagram; 0: too few are there to say
+};
+[[nodiscard]] UdpBeginning read_udp_beginning(std::span<const std::uint8_t> stream) noexcept;
+
 // Order of one sender's datagrams: those that are late or come twice are refused, gaps are counted.
 class UdpSequence {
  public:

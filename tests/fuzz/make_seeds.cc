@@ -92,6 +92,27 @@ void write_udp(const fs::path& folder) {
   }
 }
 
+// Writes two messages of each kind as frames of a serial line, noise between them, in pieces.
+void write_uart(const fs::path& folder) {
+  test::Random random(kSeed);
+  for (const hil::MessageKind kind : test::list_kinds()) {
+    std::string stream = "noise UNL1";
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      std::array<std::uint8_t, bridge::kMaxUdpBytes> frame{};
+      const std::size_t length =
+          hil::encode(test::make_random_message(kind, random), std::span(frame).subspan(bridge::kUdpHeaderBytes));
+      stream += to_bytes(frame, bridge::seal_udp_message({.run = 1, .sequence = i}, kind, frame, length));
+    }
+    constexpr std::size_t kPiece = 200;
+    std::string all;
+    for (std::size_t at = 0; at < stream.size(); at += kPiece) {
+      const std::string piece = stream.substr(at, kPiece);
+      all += static_cast<char>(piece.size()) + piece;
+    }
+    write(folder / std::string(hil::get_kind_name(kind)), all);
+  }
+}
+
 // Writes a recording of the small scenario, its first half, and checkpoints.
 void write_logs(const fs::path& folder) {
   const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
@@ -189,14 +210,16 @@ int main(int count, char** arguments) {
     return 2;
   }
   const fs::path folder(arguments[1]);
-  for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
-                             "modes", "csv", "expression", "calculix", "lcm", "udp", "campaign", "fmu", "plan_image"}) {
+  for (const char* target :
+       {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults", "modes", "csv",
+        "expression", "calculix", "lcm", "udp", "uart", "campaign", "fmu", "plan_image"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
   write_messages(folder);
   write_datagrams(folder / "lcm");
   write_udp(folder / "udp");
+  write_uart(folder / "uart");
   write_logs(folder);
   write_sessions(folder);
   write_modes(folder);

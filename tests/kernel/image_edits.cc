@@ -1,7 +1,7 @@
 // image_edits [--edits N] [--seed S] FILE...: changes numbers of plan images where they stand, corrects the checksum,
 // and opens what comes out: it is refused, or it flies a few ticks. Under a sanitizer a number that leads out of its
 // list is seen. An image that ends the program is stored as ./image-finding.
-#include <unistd.h>
+#include <sys/time.h>
 
 #include <algorithm>
 #include <csignal>
@@ -18,7 +18,7 @@
 namespace unlatch::test {
 namespace {
 
-constexpr unsigned kHang_s = 20;
+constexpr long kHang_s = 20;                   // of the processor's time
 constexpr std::size_t kMostBytes = 64u << 20;  // of a workspace: more is not flown
 std::span<const std::byte> current;            // present image
 
@@ -31,6 +31,12 @@ void keep_image(int signal) {
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);
+}
+
+// Ends the program after so much of the processor's time; 0: no longer.
+void limit_time(long seconds) {
+  const itimerval limit{{0, 0}, {seconds, 0}};
+  setitimer(ITIMER_VIRTUAL, &limit, nullptr);
 }
 
 ImageHeader& get_header(std::span<std::byte> image) { return *reinterpret_cast<ImageHeader*>(image.data()); }
@@ -174,7 +180,7 @@ int run(int argc, char** argv) {
     mark_lists(image.get(), has_items);
   }
   if (images.empty()) throw std::runtime_error("no images");
-  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM}) std::signal(signal, keep_image);
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGVTALRM}) std::signal(signal, keep_image);
   std::printf("seed %llu\n%td of %zu lists have items\n", static_cast<unsigned long long>(seed),
               std::count(std::begin(has_items), std::end(has_items), true), kPlanLists);
   std::fflush(stdout);
@@ -186,9 +192,9 @@ int run(int argc, char** argv) {
     ImageHeader& header = get_header(image.get());
     header.checksum = calc_words_hash(image.get().subspan(kImageChecked));
     current = image.get();
-    alarm(kHang_s);
+    limit_time(kHang_s);
     ++outcomes[fly(image.get())];
-    alarm(0);
+    limit_time(0);
   }
   for (const auto& [what, count] : outcomes) std::printf("%s: %ld\n", what.c_str(), count);
   return 0;

@@ -219,7 +219,14 @@ OptionHandle OptionHandle::check(const OptionCheck& check) {
 }
 
 OptionHandle OptionHandle::one_of(const std::vector<std::string>& values) {
-  option_->check(CLI::IsMember(values));
+  const CLI::Validator member{CLI::IsMember(values)};
+  option_->check(CLI::Validator(
+      [member, values](std::string& text) {
+        for (const std::string& value : values)
+          if (value.ends_with(':') && text.starts_with(value)) return std::string();
+        return member(text);
+      },
+      member.get_description()));
   return *this;
 }
 

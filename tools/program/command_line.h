@@ -39,7 +39,7 @@ class OptionHandle {
   // A time in s, or with its unit: 3, 3 s, 300 ms. `element`: of each pair the one that it is of, -1: all.
   OptionHandle seconds(Seconds range = Seconds::kPositive, int element = -1);
   OptionHandle check(const OptionCheck& check);
-  OptionHandle one_of(const std::vector<std::string>& values);
+  OptionHandle one_of(const std::vector<std::string>& values);  // "uart:": all that begin so
   OptionHandle within(std::int64_t least, std::int64_t most);
   OptionHandle within(int least, int most) { return within(std::int64_t{least}, std::int64_t{most}); }
   OptionHandle within(double least, double most);

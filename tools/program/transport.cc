@@ -7,9 +7,11 @@
 namespace unlatch::tools {
 
 void add_transport_options(Command command, TransportOptions& options, bool with_inproc) {
-  std::vector<std::string> names{"dds", "lcm", "udp"};
+  std::vector<std::string> names{"dds", "lcm", "udp", kUart};
   if (with_inproc) names.push_back("inproc");
-  command.add_option("--transport", options.name, "message transport").required().one_of(names);
+  command.add_option("--transport", options.name, "message transport; uart:DEVICE,BAUD: a serial port")
+      .required()
+      .one_of(names);
   command.add_option("--domain", options.dds.domain, "DDS domain, 0 to 230")
       .type_name("NUMBER")
       .within(0, 230)

@@ -19,7 +19,10 @@ struct TransportOptions {
 // Adds --transport (required; inproc only where it makes sense), --domain, --interface, --security, --lcm-url, --udp.
 void add_transport_options(Command command, TransportOptions& options, bool with_inproc);
 
-// dds, lcm or udp; says on standard error where messages will go. Throws bridge::PortError.
+// In front of the device and rate of a serial port: uart:/dev/ttyUSB0,115200.
+inline constexpr const char* kUart = "uart:";
+
+// dds, lcm, udp or uart:…; says on standard error where messages will go. Throws bridge::PortError.
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role);
 
 }  // namespace unlatch::tools

@@ -1,5 +1,6 @@
-// Module unlatch-transports: the middleware, Cyclone DDS and LCM, and plain UDP.
+// Module unlatch-transports: the middleware, Cyclone DDS and LCM, plain UDP and serial ports.
 #include <cstdio>
+#include <string_view>
 
 #include "tools/program/transport.h"
 
@@ -24,7 +25,15 @@ std::unique_ptr<bridge::Port> open(const TransportOptions& options, bridge::Role
     std::fprintf(stderr, "%s\n", describe(options.udp).c_str());
     return port;
   }
-  if (options.name != "dds") throw bridge::PortError("no transport is called '" + options.name + "': dds, lcm or udp");
+  if (options.name.starts_with(kUart)) {
+    if (!options.dds.security.empty()) throw bridge::PortError("a serial line has no security: use --transport dds");
+    const bridge::UartOptions uart = bridge::parse_uart(options.name.substr(std::string_view(kUart).size()));
+    auto port = bridge::open_uart_port(role, uart);
+    std::fprintf(stderr, "%s\n", describe(uart).c_str());
+    return port;
+  }
+  if (options.name != "dds")
+    throw bridge::PortError("no transport is called '" + options.name + "': dds, lcm, udp or uart:DEVICE,BAUD");
   auto port = bridge::open_dds_port(role, options.dds);
   std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
   return port;

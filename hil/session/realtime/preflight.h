@@ -58,4 +58,8 @@ extern const char* const kVerdictNames[4];  // good, costs, missing, unknown
 
 std::vector<PreflightCheck> judge(const MachineFacts& facts);
 
+// The commands that mend what judge() finds, as a shell script for root; what commands cannot mend stands in comments.
+// `cpu`: of the cyclic thread, to be isolated; -1: the last one.
+std::string print_fixes(const MachineFacts& facts, int cpu = -1);
+
 }  // namespace unlatch::hil

@@ -76,7 +76,7 @@ class CliTest(ProcessTest):
         self.assertEqual(self.complete("unlatch pre"), ["preflight"])
         self.assertIn("--until", self.complete("unlatch run --un"))
         self.assertEqual(self.complete("unlatch hil --pace l"), ["lockstep"])
-        self.assertEqual(self.complete("unlatch hil --transport "), ["dds", "lcm", "udp", "inproc"])
+        self.assertEqual(self.complete("unlatch hil --transport "), ["dds", "lcm", "udp", "uart:", "inproc"])
         self.assertIn("reference.yaml", self.complete("unlatch check ref"))
         self.assertEqual(self.complete("unlatch run reference.yaml --set bodies.core.ma"), ["bodies.core.mass="])
 

@@ -15,7 +15,7 @@ TEST(OpenPort, AnUnknownTransportIsAnErrorThatListsTheKnownOnes) {
       (void)tools::open_port(options, bridge::Role::kSimulator);
       ADD_FAILURE() << "'" << name << "' opened a port";
     } catch (const bridge::PortError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("dds, lcm or udp"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("dds, lcm, udp or uart:DEVICE,BAUD"));
     }
   }
 }

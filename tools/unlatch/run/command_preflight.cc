@@ -20,6 +20,7 @@ struct PreflightOptions {
   bool strict = false;
   int cpu = -1;
   bool no_trial = false;
+  bool fix = false;
 };
 
 Colour get_colour(Verdict verdict) {
@@ -43,6 +44,10 @@ int run(const PreflightOptions& options) {
   if (!options.no_trial) {
     for (const std::string& refused : hil::try_machine(facts, options.cpu))
       std::fprintf(stderr, "%s\n", refused.c_str());
+  }
+  if (options.fix) {
+    std::fputs(hil::print_fixes(facts, options.cpu).c_str(), stdout);
+    return kExitDone;
   }
   const std::vector<hil::PreflightCheck> checks = hil::judge(facts);
   const auto count = [&checks](Verdict verdict) {
@@ -77,12 +82,15 @@ void add_preflight(Command app, int& exit_code) {
                    "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
                    "nothing. Loads one CPU for half a second to "
                    "measure other load on it.",
-                   "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
+                   "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json\n"
+                   "unlatch preflight --cpu 3 --fix > fix.sh");
   command.add_json_option(options->json);
   command.add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
       .type_name("NUMBER")
       .check(check_cpu);
   command.add_flag("--no-trial", options->no_trial, "only reads system settings; does not load the CPU");
+  command.add_flag("--fix", options->fix,
+                   "prints the commands that mend it as a shell script, and nothing else; runs none");
   command.add_flag("--strict", options->strict, "exit code 3 unless all checks pass");
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }

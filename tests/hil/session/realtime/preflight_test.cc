@@ -94,6 +94,57 @@ TEST(Preflight, DeepIdleStatesCostNothingWhereARunMayHoldThemOff) {
 }
 
 // A thread of higher priority takes the CPU for 3 ms out of 10; without privileges both have none, and share it.
+// A script may be run: the shell accepts it.
+void expect_valid(const std::string& script) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("fix" + std::to_string(getpid()));
+  std::ofstream(file) << script;
+  EXPECT_EQ(std::system(("sh -n " + file.string()).c_str()), 0) << script;
+  std::filesystem::remove(file);
+}
+
+TEST(Preflight, AnIdealMachineNeedsNoCommands) {
+  const std::string script = hil::print_fixes(make_ideal());
+  EXPECT_NE(script.find("nothing to mend"), std::string::npos);
+  EXPECT_EQ(script.find("echo"), std::string::npos);
+  expect_valid(script);
+}
+
+TEST(Preflight, TheCommandsMendEachFindingAndNothingElse) {
+  hil::MachineFacts facts = make_ideal();
+  facts.kernel = "6.1.0 #1 SMP PREEMPT_DYNAMIC";
+  facts.governors = {{"powersave", 4}};
+  facts.isolated_cpus.clear();
+  facts.huge_pages = "always";
+  facts.memlock_bytes = 8 << 20;
+  facts.rtprio = 0;
+  facts.smi_count = 3;
+  const std::string script = hil::print_fixes(facts, 2);
+  for (const char* line :
+       {"cpupower frequency-set -g performance", "echo madvise > /sys/kernel/mm/transparent_hugepage/enabled",
+        "@unlatch-bench - memlock unlimited", "@unlatch-bench - rtprio 99",
+        "apt-get install --yes linux-image-rt-amd64",
+        "isolcpus=managed_irq,domain,2 nohz_full=2 rcu_nocbs=2 irqaffinity=0-1,3", "--cpu 2", "update-grub",
+        "# below the kernel: 3 system management interrupts"})
+    EXPECT_NE(script.find(line), std::string::npos) << line << "\n" << script;
+  for (const char* none : {"swapoff", "sched_rt_runtime_us", "idle-set", "nosmt", "tsc"})
+    EXPECT_EQ(script.find(none), std::string::npos) << none;
+  expect_valid(script);
+}
+
+TEST(Preflight, EveryFindingIsInTheScript) {
+  hil::MachineFacts facts;  // of which nothing is known, or good
+  facts.cpus = 1;           // none can be isolated
+  facts.virtual_machine = true;
+  const std::string script = hil::print_fixes(facts);
+  for (const auto& check : hil::judge(facts)) {
+    if (check.verdict == Verdict::kGood || check.mend.empty()) continue;
+    EXPECT_NE(script.find("# " + check.name + ": "), std::string::npos) << check.name << "\n" << script;
+  }
+  EXPECT_EQ(script.find("isolcpus=m"), std::string::npos);
+  EXPECT_EQ(script.find("\ncpupower frequency-set"), std::string::npos) << "nothing is known of the governor";
+  expect_valid(script);
+}
+
 TEST(Preflight, TryingTheMachineNoticesWhoTakesTheCpu) {
   std::atomic<bool> begun{false};
   const std::jthread hog([&begun](const std::stop_token& stopping) {
