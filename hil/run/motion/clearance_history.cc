@@ -109,7 +109,7 @@ void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair,
 bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const MotionPiece& piece = window.get_present();
   Track& track = tracks_[pair];
-  track.path = std::numeric_limits<double>::infinity();
+  track.length = std::numeric_limits<double>::infinity();
   if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
   const bool still = track.idle && !track.stale;  // in the piece before: there the wide bound has no margin
   if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
@@ -129,8 +129,8 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   track.latest = calc_relative(pair, get_end(piece, a), get_end(piece, b));
   track.followed = true;
   track.moved = calc_change(pair, track.reference, track.latest);
-  track.path = calc_path(before, track.latest, h);
-  const double most = std::max(moved_before, track.moved) + track.path;
+  track.length = calc_length(before, track.latest, h);
+  const double most = std::max(moved_before, track.moved) + calc_path(before, track.latest, h);
   if (most <= kStill * track.size) {
     now_[pair].now = track.value;
     now_[pair].rate = 0;
@@ -291,7 +291,7 @@ void ClearanceHistory::look_between_knots(const MotionPiece& piece, std::size_t 
                                           {.pair = pair,
                                            .a = get_index(now_[pair].a),
                                            .b = get_index(now_[pair].b),
-                                           .path = track.path,
+                                           .length = track.length,
                                            .limit = limit,
                                            .resolution = get_resolution(static_cast<int>(pair))});
   if (!dip) return;

@@ -56,7 +56,7 @@ class ClearanceHistory {
     double turned_a = 0, turned_b = 0;  // Body::turned, at that time
     double value = 0;                   // m, at that time
     double moved = 0;                   // m, bound on the change of the distance since then, at the latest knot
-    double path = 0;                    // m, bound on its change within the piece, if the piece was not skipped
+    double length = 0;                  // m, of the relative motion within the piece, if the piece was not skipped
     RelativeMotion latest;              // at the latest knot
     bool followed = true;               // `latest` is up to date
     bool idle = false;                  // pieces were skipped; the next computed piece begins anew

@@ -42,6 +42,12 @@ inline RelativeMotion calc_relative_motion(const ClearanceMonitor::Reach& reach,
               reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
 }
 
+// m, how far the shapes move relative to one another within a piece of `h` seconds between the two: the distance at its
+// ends differs by no more.
+inline double calc_length(const RelativeMotion& from, const RelativeMotion& to, double h) {
+  return std::max(from.speed, to.speed) * h + std::max(from.increase, to.increase) * h * h;
+}
+
 // m, bound on the change of the distance within a piece of `h` seconds between the two: there the interpolated motion
 // departs from the knots by less than twice the greater speed times the step.
 inline double calc_path(const RelativeMotion& from, const RelativeMotion& to, double h) {

@@ -42,16 +42,16 @@ std::optional<Dip> find_dip(const ClearanceMonitor& monitor, const MotionPiece& 
   Least least;
   const auto get_limit = [&] { return std::min(search.limit, least.get_value()); };
   for (const ClearanceMonitor::ShapePair& shapes : pairs) {
-    // Within the piece the distance is at least the mean of both ends less half of the path.
+    // Within the piece the distance is at least the mean of both ends less half of the way.
     const double bound =
         monitor.calc_lower_bound(shapes, from_a, from_b) + monitor.calc_lower_bound(shapes, to_a, to_b);
-    if (0.5 * (bound - search.path) >= get_limit()) continue;
+    if (0.5 * (bound - search.length) >= get_limit()) continue;
     const auto function = [&](double time) {
       return monitor.calc_distance(shapes, place(search.a, time), place(search.b, time));
     };
     const double at_from = monitor.calc_distance(shapes, from_a, from_b);
     const double at_to = monitor.calc_distance(shapes, to_a, to_b);
-    const double way = 0.5 * (search.path - std::abs(at_from - at_to));
+    const double way = 0.5 * (search.length - std::abs(at_from - at_to));
     if (std::min(at_from, at_to) - way >= get_limit()) continue;
     if (shapes.convex)
       least.look_into(piece.from, at_from, piece.to, at_to, search.resolution, function);

@@ -19,7 +19,7 @@ struct Dip {
 struct DipSearch {
   std::size_t pair = 0;      // watched pair
   std::size_t a = 0, b = 0;  // its bodies, as in MotionPiece
-  double path = 0;           // m, bound on what the distance changes within the piece; may be infinite
+  double length = 0;         // m, of the relative motion within the piece (calc_length()); may be infinite
   double limit = 0;          // m: only smaller values count
   double resolution = 0;     // m: shallower dips are rounding
 };

@@ -60,8 +60,8 @@ std::span<const UnseenClearance> UnseenClearances::find(const MotionWindow& wind
                      from_b = get(piece.start, piece.at_start, guard.b);
     const MovingBody to_a = get(piece.end, piece.at_end, guard.a), to_b = get(piece.end, piece.at_end, guard.b);
     const ClearanceMonitor::Reach& reach = monitor_.get_reach(i);
-    const double path = calc_path(calc_relative_motion(reach, from_a, from_b), calc_relative_motion(reach, to_a, to_b),
-                                  piece.to - piece.from);
+    const double length = calc_length(calc_relative_motion(reach, from_a, from_b),
+                                      calc_relative_motion(reach, to_a, to_b), piece.to - piece.from);
     const auto is_below = [&](const MovingBody& a, const MovingBody& b) {
       return monitor_.calc(i, a.at, b.at).least.distance <= guard.threshold;
     };
@@ -69,7 +69,7 @@ std::span<const UnseenClearance> UnseenClearances::find(const MotionWindow& wind
                                             {.pair = i,
                                              .a = guard.a,
                                              .b = guard.b,
-                                             .path = path,
+                                             .length = length,
                                              .limit = guard.threshold,
                                              .resolution = monitor_.get_resolution(i)});
     // Below it at one end, the condition was seen.
