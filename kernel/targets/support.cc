@@ -46,6 +46,13 @@ std::size_t strlen(const char* text) {
 // Correctly rounded by IEEE 754, one instruction; called where the compiler does not know that errno does not count.
 double sqrt(double x) { return __builtin_sqrt(x); }
 
+// Where the processor has no instruction for it. Numbers from 2^52 on are whole, or none.
+double floor(double x) {
+  constexpr double kWhole = 0x1p52;
+  if (!(x < kWhole && x > -kWhole)) return x;
+  const double towards_zero = static_cast<double>(static_cast<long long>(x));
+  return __builtin_copysign(towards_zero > x ? towards_zero - 1 : towards_zero, x);
+}
 // To the nearest whole number, ties to even, for processors without an instruction: adding 2^52 rounds there.
 double nearbyint(double x) {
   constexpr double kWhole = 4503599627370496.0;
