@@ -116,7 +116,7 @@ void ScenarioReader::read_sensor_delays() {
     const bool timed = quantity->dimension == dimension_of("s");
     if (!timed && !quantity->dimension.is_plain()) {
       mistakes_.add(delay.node.mark, "'" + delay.node.text + "' is " + describe_dimension(quantity->dimension),
-                    "a delay is a number of samples, 2, or a time, 20 ms");
+                    "write a plain number, that of the samples, or a time: 2, 20 ms");
       continue;
     }
     double samples = timed && period > 0 ? quantity->value / period : quantity->value;

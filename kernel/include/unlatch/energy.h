@@ -51,6 +51,7 @@ struct AuditFrame {
   Vec3 velocity{0, 0, 0};  // m/s, world axes: 0 if grounded, because the ground does no work only where it is at rest;
                            // else that of the centre of mass
 };
+// The observer of a state, with the evaluation that the latest step() or update_outputs() left in the workspace.
 AuditFrame calc_audit_frame(const Plan& plan, const State& state, const Workspace& workspace) noexcept;
 
 // Energies and powers of the state that the latest step() or update_outputs() left in the workspace, seen by an
