@@ -308,12 +308,12 @@ bodies:
         still = self.run_json(UNLATCH, "run", self.write(text.replace("18 N/m", "-18 N/m")), "--accuracy", "1e-3")
         self.assertEqual(still["accuracy_step"]["growth"], [])
 
-    # I a'' = I w^2 a about the free axis of a hinge in the body's centre.
+    # I a'' = I w^2 a about the free axis of a hinge in the body's centre; a small angle is twice the component of its quaternion.
     def test_an_attitude_that_grows_is_reported_with_its_factors(self):
         text = ("unlatch: 1\nname: top\nstep: {dt: 1 ms, until: 2 s}\nbodies:\n  top: {mass: 2, inertia: [2, 2, 2]}\n"
                 "joints:\n  pin: {between: [ground, top], modes: {hinge: {rows: [x, y, z, rot_x, rot_y]}}}\n"
-                "quantities:\n  a: {angle: {joint: pin, axis: rot_z}}\nelements:\n"
-                "  push: {type: torque, body: top, direction: [0, 0, 1], profile: {expression: \"18 N m/rad * a\"}}\n")
+                "quantities:\n  a: {attitude: {body: top, component: z}}\nelements:\n"
+                "  push: {type: torque, body: top, direction: [0, 0, 1], profile: {expression: \"36 N m * a\"}}\n")
         report = self.run_json(UNLATCH, "run", self.write(text), "--accuracy", "1e-3")
         attitude, rate = report["accuracy_step"]["growth"]
         self.assertEqual([(g["start"], g["of"], g["end"]) for g in (attitude, rate)], [("top", "attitude", "top"), ("top", "rate", "top")])
