@@ -43,6 +43,7 @@ void PlanCheck::check_laws() {
   for (const std::int32_t law : laws.order) require_index(law, laws.list.size());
   for (const std::int32_t quantity : laws.operands) require_index(quantity, plan_.quantities.size());
   for (const PlanCorner& corner : laws.corners) {
+    require_flag(corner.jumps);
     require_index(corner.place, at(plan_.law_numbers.places));
     require_range(corner.knots, corner.count, laws.numbers.size());
     require(corner.count >= 1);
