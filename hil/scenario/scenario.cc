@@ -236,13 +236,20 @@ void ScenarioReader::read(const YamlNode& root) {
   report_physics();
 }
 
+// False, and noted, if an expression would read the name as something else.
+bool ScenarioReader::check_name(const std::string& name, const YamlNode& node, const std::string& kind, Minus minus) {
+  const bool is_difference = minus == Minus::kRefused && name.find('-') != std::string::npos;
+  if (!is_difference && !is_reserved_name(name)) return true;
+  mistakes_.add(
+      node.mark, "'" + name + "' cannot be the name of a " + kind,
+      is_difference ? "in an expression - is minus: use _" : "it is a unit, function or constant of the language");
+  return false;
+}
+
 // Each constant may use those before it.
 void ScenarioReader::read_constants(YamlMap& top) {
   for_each_named(top, "constants", "constant", [&](const std::string& name, const YamlNode& node) {
-    if (name.find('-') != std::string::npos || is_reserved_name(name))
-      return mistakes_.add(node.mark, "'" + name + "' cannot be the name of a constant",
-                           name.find('-') != std::string::npos ? "in an expression - is minus: use _"
-                                                               : "it is a unit, function or constant of the language");
+    if (!check_name(name, node, "constant", Minus::kRefused)) return;
     const auto value = read_quantity(node, mistakes_);
     if (!value) return;
     mistakes_.add_constant(name, *value);

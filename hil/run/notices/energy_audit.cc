@@ -69,53 +69,16 @@ void EnergyAudit::update(const StepReport& report) {
 void EnergyAudit::begin() {
   begun_ = true;
   const auto [flow, frame] = look(simulation_);
-  balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
+  following_.begin(flow);
   keep(flow, frame);
 }
 
-EnergyFlow EnergyAudit::calc_start() {
+EnergyFlow EnergyAudit::calc_start(bool& smooth) {
   const std::span<const double> inputs = simulation_.get_inputs();
   if (std::equal(inputs.begin(), inputs.end(), inputs_.begin(), inputs_.end())) return now_;
-  smooth_ = false;
+  smooth = false;
   if (update_outputs(simulation_.plan(), Inputs{inputs}, before_, workspace_) != StepStatus::kOk) return now_;
   return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_.velocity);
-}
-
-// Adds work by the trapezoidal rule. For a power that only rises, or only falls, its error is at most h/2 of the
-// change: that much if a force begins from zero with a high power of time.
-void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
-  double change = 0;
-  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
-    const double work = 0.5 * h * (from.power[i] + to.power[i]);
-    change += to.power[i] - from.power[i];
-    balance_.work[i] += work;
-    tick_work_ += work;
-  }
-  coarse_ += 0.5 * h * std::abs(change);
-  add_stored(from, to);
-}
-
-// Adds stored energy. Losses of contacts need no integral over time: contacts accumulate them.
-void EnergyAudit::add_stored(const EnergyFlow& from, const EnergyFlow& to) {
-  balance_.strain += from.strain - to.strain;
-  balance_.contacts += from.dissipated - to.dissipated;
-  tick_work_ += (from.strain - to.strain) + (from.dissipated - to.dissipated);
-}
-
-void EnergyAudit::add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
-  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
-    const double second = to.power[i] - 2 * from.power[i] + earlier_.power[i];
-    double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]), apart = -h / 12 * second;
-    if (long_smooth_) {
-      apart = -h / 24 * (second - (from.power[i] - 2 * earlier_.power[i] + oldest_.power[i]));
-      work += apart;
-    }
-    apart_ += apart;
-    balance_.work[i] += work;
-    tick_work_ += work;
-  }
-  most_apart_ = std::max(most_apart_, std::abs(apart_));
-  add_stored(from, to);
 }
 
 bool EnergyAudit::is_implicit() const {
@@ -142,45 +105,47 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
   const bool grounded = frame_.grounded || frame.grounded;
-  const auto see = [grounded](const EnergyFlow& seen, const AuditFrame& from) {
-    return grounded ? change_frame(seen, -from.velocity) : seen;
-  };
-  const auto see_event = [grounded](const EnergyFlow& seen) {
-    return grounded ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
-  };
-  smooth_ = smooth_ && grounded == grounded_ && !has_corner(end - 2 * dt, end);
-  const EnergyFlow start = see(calc_start(), frame_), reached = see(flow, frame);
-  tick_work_ = 0;
-  if (report.audits.empty()) {
-    if (smooth_)
-      add_smooth_work(start, reached, dt);
-    else
-      add_work(start, reached, dt);
-  } else {
-    EnergyFlow from = start;
+  // A step that was split had events, or passed corners of laws.
+  bool smooth = report.substeps == 1 && !has_corner(end - dt, end);
+  const EnergyFlow start = calc_start(smooth);
+  if (grounded != grounded_) following_.forget();
+  if (grounded)
+    steady_.reset();
+  else if (!steady_) {
+    steady_.emplace().begin(start);
+    steady_velocity_ = frame_.velocity;
+  }
+  const bool implicit = is_implicit();
+  const auto add = [&](EnergyObserver& observer, const auto& see, const auto& see_event) {
+    const EnergyFlow from = see(start, frame_), reached = see(flow, frame);
+    observer.begin_tick(smooth);
+    EnergyFlow last = from;
     double time = end - dt;
     for (const EventAudit& audit : report.audits) {
-      add_work(from, see_event(audit.flow_before), audit.time - time);
-      balance_.impulses += audit.allowed.kinetic;
-      tick_work_ += audit.allowed.kinetic;
-      from = see_event(audit.flow_after);
+      observer.add_piece(last, see_event(audit.flow_before), audit.time - time);
+      observer.add_impulse(audit.allowed.kinetic);
+      last = see_event(audit.flow_after);
       time = audit.time;
     }
-    add_work(from, reached, end - time);
-  }
-  const double gained = reached.kinetic - start.kinetic, unexplained = gained - tick_work_;
-  balance_.kinetic += gained;
-  (unexplained < 0 && is_implicit() ? balance_.numerical : balance_.unexplained) += unexplained;
-  balance_.scale = std::max(balance_.scale, reached.kinetic + reached.strain);
-  if (!(std::abs(balance_.unexplained) <= std::abs(balance_.largest))) {
-    balance_.largest = balance_.unexplained;
-    balance_.largest_time = end;
-  }
-  long_smooth_ = smooth_;
-  smooth_ = report.audits.empty();
+    observer.add_piece(last, reached, end - time);
+    observer.finish_tick(from, reached, implicit, end);
+  };
+  if (grounded)
+    add(
+        following_, [](const EnergyFlow& seen, const AuditFrame& from) { return change_frame(seen, -from.velocity); },
+        [](const EnergyFlow& seen) { return seen; });
+  else
+    add(
+        following_, [](const EnergyFlow& seen, const AuditFrame&) { return seen; },
+        [](const EnergyFlow& seen) { return change_frame(seen, (1 / seen.mass) * seen.momentum); });
+  if (steady_)
+    add(
+        *steady_,
+        [&](const EnergyFlow& seen, const AuditFrame& from) {
+          return change_frame(seen, steady_velocity_ - from.velocity);
+        },
+        [&](const EnergyFlow& seen) { return change_frame(seen, steady_velocity_); });
   grounded_ = grounded;
-  oldest_ = earlier_;
-  earlier_ = start;
   keep(flow, frame);
 }
 
@@ -193,14 +158,87 @@ void EnergyAudit::keep(const EnergyFlow& flow, const AuditFrame& frame) {
   fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_.velocity, frame_.velocity));
 }
 
-double EnergyAudit::calc_doubt() const {
+double EnergyAudit::calc_rounding() const {
   // Each tick rounds every velocity about once: the errors add like a random walk, with a margin of some ten
   // operations.
   constexpr double kOperations = 16;
-  // A power that grows like the eleventh power of time from rest is wrong by three and a half times the difference.
-  constexpr double kOrders = 4;
   const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
-  return coarse_ + kOrders * most_apart_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
+  return kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
+}
+
+void EnergyObserver::begin(const EnergyFlow& flow) {
+  balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
+}
+
+void EnergyObserver::begin_tick(bool smooth) {
+  tick_work_ = 0;
+  smooth_ = smooth;
+  if (!smooth) known_ = 0;
+}
+
+void EnergyObserver::add_piece(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  if (smooth_ && known_ > 0)
+    add_smooth(from, to, h);
+  else
+    add_trapezoid(from, to, h);
+  // Losses of contacts need no integral over time: contacts accumulate them.
+  balance_.strain += from.strain - to.strain;
+  balance_.contacts += from.dissipated - to.dissipated;
+  tick_work_ += (from.strain - to.strain) + (from.dissipated - to.dissipated);
+}
+
+void EnergyObserver::add_impulse(double kinetic) {
+  balance_.impulses += kinetic;
+  tick_work_ += kinetic;
+}
+
+// For a power that only rises, or only falls, the error of the trapezoidal rule is at most h/2 of the change: that much
+// if a force begins from zero with a high power of time.
+void EnergyObserver::add_trapezoid(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  double change = 0;
+  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
+    const double work = 0.5 * h * (from.power[i] + to.power[i]);
+    change += to.power[i] - from.power[i];
+    balance_.work[i] += work;
+    tick_work_ += work;
+  }
+  coarse_ += 0.5 * h * std::abs(change);
+}
+
+void EnergyObserver::add_smooth(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
+    const double second = to.power[i] - 2 * from.power[i] + earlier_.power[i];
+    double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]), apart = -h / 12 * second;
+    if (known_ > 1) {
+      apart = -h / 24 * (second - (from.power[i] - 2 * earlier_.power[i] + oldest_.power[i]));
+      work += apart;
+    }
+    apart_ += apart;
+    balance_.work[i] += work;
+    tick_work_ += work;
+  }
+  most_apart_ = std::max(most_apart_, std::abs(apart_));
+}
+
+void EnergyObserver::finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time) {
+  const double gained = reached.kinetic - start.kinetic, unexplained = gained - tick_work_;
+  balance_.kinetic += gained;
+  (unexplained < 0 && implicit ? balance_.numerical : balance_.unexplained) += unexplained;
+  balance_.scale = std::max(balance_.scale, reached.kinetic + reached.strain);
+  if (!(std::abs(balance_.unexplained) <= std::abs(balance_.largest))) {
+    balance_.largest = balance_.unexplained;
+    balance_.largest_time = time;
+  }
+  oldest_ = earlier_;
+  earlier_ = start;
+  known_ = smooth_ ? std::min(known_ + 1, 2) : 0;
+}
+
+double EnergyObserver::calc_doubt() const {
+  // A power that grows like the eleventh power of time from rest is wrong by three and a half times the difference, one
+  // that jumps at a tick by nine times.
+  constexpr double kOrders = 12;
+  return coarse_ + kOrders * most_apart_;
 }
 
 }  // namespace unlatch::hil

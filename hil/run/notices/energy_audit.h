@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
@@ -33,28 +34,60 @@ struct EnergyBalance {
   double scale = 0;  // largest kinetic and stored energy so far, at least that of 1 µm/s: the scale of the others
 };
 
+// The balance as one observer sees it. His frame moves at a constant velocity within a tick; flows are as he sees them.
+class EnergyObserver {
+ public:
+  void begin(const EnergyFlow& flow);
+  // One tick: from `start` over its pieces to `reached`. `smooth`: no event, command or corner in it.
+  void begin_tick(bool smooth);
+  void add_piece(const EnergyFlow& from, const EnergyFlow& to, double h);
+  void add_impulse(double kinetic);
+  void finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time);
+  // The ticks before do not lead on smoothly to the next.
+  void forget() { known_ = 0; }
+
+  [[nodiscard]] const EnergyBalance& get() const { return balance_; }
+  // Energy that the integrals of powers may explain, J.
+  [[nodiscard]] double calc_doubt() const;
+
+ private:
+  void add_trapezoid(const EnergyFlow& from, const EnergyFlow& to, double h);
+  void add_smooth(const EnergyFlow& from, const EnergyFlow& to, double h);
+
+  EnergyFlow earlier_{}, oldest_{};    // at the beginnings of the last two ticks
+  int known_ = 0;                      // how many of them the present tick continues smoothly
+  bool smooth_ = false;                // the present tick
+  double tick_work_ = 0;               // J
+  double coarse_ = 0;                  // J: possible error of the trapezoidal rule
+  double apart_ = 0, most_apart_ = 0;  // J: between the formula that is used and that of the next lower order; at most
+  EnergyBalance balance_;
+};
+
 class EnergyAudit {
  public:
   explicit EnergyAudit(const Simulation& simulation);
 
-  // Updates the balance after the initial state (a default report) and after each step.
+  // Updates the balances after the initial state (a default report) and after each step.
   void update(const StepReport& report);
-  [[nodiscard]] const EnergyBalance& get() const { return balance_; }
+  // As an observer sees it who follows the centre of mass, or stands on the ground that holds the system.
+  [[nodiscard]] const EnergyBalance& get() const { return following_.get(); }
+  // As one sees it who moves on as the centre of mass did when nothing held the system to the ground any more: the
+  // motion of the centre itself is judged here. Null while something does.
+  [[nodiscard]] const EnergyBalance* find_steady() const { return steady_ ? &steady_->get() : nullptr; }
   // Energy that rounding and the integrals of powers may explain, J.
-  [[nodiscard]] double calc_doubt() const;
+  [[nodiscard]] double calc_doubt() const { return following_.calc_doubt() + calc_rounding(); }
+  [[nodiscard]] double calc_steady_doubt() const { return steady_ ? steady_->calc_doubt() + calc_rounding() : 0; }
 
  private:
   void begin();
   void add_tick(const StepReport& report);
   // Powers at the start of the last tick, with the commands of its step, which may be new.
-  EnergyFlow calc_start();
-  void add_work(const EnergyFlow& from, const EnergyFlow& to, double h);
-  void add_stored(const EnergyFlow& from, const EnergyFlow& to);
-  void add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h);
+  EnergyFlow calc_start(bool& smooth);
   [[nodiscard]] bool is_implicit() const;
   // True if the table of a load that is on has a knot between the two times, s.
   [[nodiscard]] bool has_corner(double from, double to) const;
   void keep(const EnergyFlow& flow, const AuditFrame& frame);
+  [[nodiscard]] double calc_rounding() const;
 
   const Simulation& simulation_;
   std::vector<int> implicit_;      // elements that the plan integrates implicitly
@@ -64,16 +97,14 @@ class EnergyAudit {
   std::vector<std::uint64_t> block_;  // state before the last step
   State before_;
   std::vector<double> inputs_;
-  AuditFrame frame_{};                   // the observer of now_
-  EnergyFlow earlier_{}, now_{};         // at the last tick but one, and at the last, relative to the centre of mass
-  bool begun_ = false, smooth_ = false;  // smooth_: no event or command between the two
-  bool grounded_ = false;                // both are relative to the ground
-  EnergyFlow oldest_{};                  // at the last tick but two, if the tick before was smooth too
-  bool long_smooth_ = false;             // it was
-  double tick_work_ = 0, fastest_ = 0;   // J, work of the tick; J, largest kinetic energy relative to rest
-  double coarse_ = 0;                    // J: possible error of the trapezoidal rule
-  double apart_ = 0, most_apart_ = 0;  // J: between the formula that is used and that of the next lower order; at most
-  EnergyBalance balance_;
+  AuditFrame frame_{};  // the observer of now_
+  EnergyFlow now_{};    // at the last tick, relative to the centre of mass
+  bool begun_ = false;
+  bool grounded_ = false;  // the last tick was seen from the ground
+  double fastest_ = 0;     // J, largest kinetic energy relative to rest
+  EnergyObserver following_;
+  std::optional<EnergyObserver> steady_;
+  Vec3 steady_velocity_{};  // m/s, world axes
 };
 
 }  // namespace unlatch::hil

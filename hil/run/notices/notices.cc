@@ -371,12 +371,9 @@ void NoticeWatch::watch_drift() {
 void NoticeWatch::watch_energy() {
   const EnergyBalance& energy = audit_->get();
   const double size = std::abs(energy.unexplained) - audit_->calc_doubt();
-  if (!failed_ && !(size <= kEnergyFailure * energy.scale)) {
-    failed_ = true;
-    failed_time_ = simulation_.get_time();
-    unresolved_.add(list_all_bodies(scenario_.model), "energy: no force explains more than a tenth of it", failed_time_,
-                    simulation_.state());
-  }
+  fail_energy(energy, size);
+  if (const EnergyBalance* const steady = audit_->find_steady())
+    fail_energy(*steady, std::abs(steady->unexplained) - audit_->calc_steady_doubt());
   if (unexplained_ || size <= kEnergyNotice * energy.scale) return;
   unexplained_ = true;
   add("energy", "",
@@ -384,12 +381,22 @@ void NoticeWatch::watch_energy() {
              kEnergyNotice, energy.scale));
 }
 
+void NoticeWatch::fail_energy(const EnergyBalance& energy, double size) {
+  if (size <= kEnergyFailure * energy.scale) return;
+  failed_balance_ = energy;
+  if (failed_) return;
+  failed_ = true;
+  failed_time_ = simulation_.get_time();
+  unresolved_.add(list_all_bodies(scenario_.model), "energy: no force explains more than a tenth of it", failed_time_,
+                  simulation_.state());
+}
+
 std::string NoticeWatch::describe_failure() const {
   if (!failed_) return "";
   return format(
       "no force explains %+.3g J of the motion, from %.6g s on more than a tenth of its largest energy, %.3g J: "
       "the step does not resolve it",
-      audit_->get().largest, failed_time_, audit_->get().scale);
+      failed_balance_.largest, failed_time_, failed_balance_.scale);
 }
 
 }  // namespace unlatch::hil

@@ -104,6 +104,7 @@ class NoticeWatch {
   void watch_drift();
   void watch_search(const StepReport& report);
   void watch_energy();
+  void fail_energy(const EnergyBalance& energy, double size);
 
   const Scenario& scenario_;
   const Simulation& simulation_;
@@ -130,6 +131,7 @@ class NoticeWatch {
   bool nearly_redundant_ = false;                                                   // reported
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;
+  EnergyBalance failed_balance_;  // the latest that failed
   std::vector<std::byte> memory_;
   Workspace workspace_;  // workspace of frequencies
 };

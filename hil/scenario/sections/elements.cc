@@ -18,6 +18,7 @@ std::string get_si(const Channel& channel) {
 
 void ScenarioReader::read_channels(YamlMap& top) {
   for_each_named(top, "channels", "channel", [&](const std::string& name, const YamlNode& node) {
+    if (!check_name(name, node, "channel", Minus::kAllowed)) return;
     Channel channel;
     channel.name = name;
     YamlMap map(node, "channel '" + name + "'", mistakes_);

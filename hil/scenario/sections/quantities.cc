@@ -32,6 +32,7 @@ std::string get_si(const Model& model, const unlatch::Quantity& quantity) {
 void ScenarioReader::read_quantities(YamlMap& top) {
   std::vector<std::pair<int, const YamlNode*>> expressions;  // once all others are known
   for_each_named(top, "quantities", "quantity", [&](const std::string& name, const YamlNode& node) {
+    if (!check_name(name, node, "quantity", Minus::kAllowed)) return;
     YamlMap map(node, "quantity '" + name + "'", mistakes_);
     // `scale` is also the key of a quantity.
     const bool is_expression = map.find("expression") != nullptr;

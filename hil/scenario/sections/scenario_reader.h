@@ -211,6 +211,9 @@ class ScenarioReader {
   void read_output_pattern(const YamlNode& node, const std::vector<Output>& known, const std::string& where,
                            OutputGroup& group);
 
+  // In names that expressions alone use, no - may be.
+  enum class Minus { kAllowed, kRefused };
+  bool check_name(const std::string& name, const YamlNode& node, const std::string& kind, Minus minus);
   // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and stores its place.
   void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
                       const std::function<void(const std::string&, const YamlNode&)>& read_item);

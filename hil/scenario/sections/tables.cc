@@ -144,10 +144,7 @@ void ScenarioReader::read_table_file(YamlMap& map, const YamlNode& file, Table& 
 }
 
 void ScenarioReader::read_table(const std::string& name, const YamlNode& node) {
-  if (name.find('-') != std::string::npos || is_reserved_name(name))
-    return mistakes_.add(node.mark, "'" + name + "' cannot be the name of a table",
-                         name.find('-') != std::string::npos ? "in an expression - is minus: use _"
-                                                             : "it is a unit, function or constant of the language");
+  if (!check_name(name, node, "table", Minus::kRefused)) return;
   Table table;
   table.name = name;
   TableSource source;
