@@ -1,4 +1,5 @@
-// Facts for preflight, from /proc, /sys and limits.
+// Facts for preflight, from /proc, /sys and limits; and measurements of those that no file has: other users of the
+// core, and interruptions.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/utsname.h>
@@ -9,8 +10,13 @@
 #include <ctime>
 #include <fstream>
 #include <sstream>
+#include <thread>
+#include <vector>
 
+#include "hil/session/realtime/clock.h"
 #include "hil/session/realtime/preflight.h"
+#include "hil/session/realtime/real_time.h"
+#include "hil/session/realtime/yardsticks.h"
 
 namespace unlatch::hil {
 namespace {
@@ -107,6 +113,20 @@ std::optional<std::int64_t> read_stolen_ms(const std::string& root) {
   return value * 1000 / sysconf(_SC_CLK_TCK);
 }
 
+template <class Work>
+std::int64_t measure_ns(Work&& work) {
+  const std::int64_t begin_ns = get_monotonic_ns();
+  work();
+  return get_monotonic_ns() - begin_ns;
+}
+
+// The ninth decile, in multiples of the least.
+double calc_stretch(std::vector<std::int64_t>& times) {
+  const auto ninth = times.begin() + static_cast<std::ptrdiff_t>(times.size() * 9 / 10);
+  std::nth_element(times.begin(), ninth, times.end());
+  return static_cast<double>(*ninth) / static_cast<double>(*std::min_element(times.begin(), ninth + 1));
+}
+
 }  // namespace
 
 MachineFacts read_machine_facts(const std::string& root) {
@@ -132,6 +152,38 @@ MachineFacts read_machine_facts(const std::string& root) {
   facts.smi_count = read_smi_count(root);
   facts.may_forbid_idle = access((root + "/dev/cpu_dma_latency").c_str(), W_OK) == 0;
   return facts;
+}
+
+std::vector<std::string> try_machine(MachineFacts& facts, int cpu, double seconds) {
+  std::vector<std::int64_t> sums, multiplications;  // ns each
+  const auto capacity = static_cast<std::size_t>(seconds * 1e6);
+  sums.reserve(capacity);
+  multiplications.reserve(capacity);
+  std::vector<std::string> refused;
+  std::jthread([&] {
+    refused = request_real_time({.cpu = cpu});
+    const std::int64_t end_ns = get_monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
+    do {
+      sums.push_back(measure_ns([] { add_side_by_side(); }));
+      multiplications.push_back(measure_ns([] { multiply_in_turn(); }));
+    } while (get_monotonic_ns() < end_ns && sums.size() < capacity);
+  }).join();
+
+  // A slower clock stretches both alike, a neighbour only the sums, which fill the core.
+  facts.core_stretch = calc_stretch(sums) / calc_stretch(multiplications);
+  std::int64_t interruptions = 0, longest_ns = 0, total_ns = 0;
+  for (const auto* times : {&sums, &multiplications}) {
+    const std::int64_t least_ns = *std::min_element(times->begin(), times->end());
+    for (const std::int64_t ns : *times) {
+      const std::int64_t more_ns = ns - 2 * least_ns;  // a neighbour makes it twice as long at most
+      if (more_ns > kInterruption_ns) ++interruptions;
+      longest_ns = std::max(longest_ns, more_ns);
+      total_ns += ns;
+    }
+  }
+  facts.interruptions_per_s = static_cast<double>(interruptions) * 1e9 / static_cast<double>(total_ns);
+  facts.longest_interruption_ns = std::max(longest_ns, std::int64_t{0});
+  return refused;
 }
 
 }  // namespace unlatch::hil
