@@ -32,6 +32,18 @@ bool has_implicit_modes(const Model& model, double dt) {
   });
 }
 
+// True if steps may be split at corners of laws that forces read.
+bool has_corners(const Model& model) {
+  using Kind = LawStep::Kind;
+  const std::vector<bool> driving = list_driving_laws(model);
+  for (std::size_t i = 0; i < driving.size(); ++i)
+    for (const LawStep& step : model.laws[i].steps)
+      if (driving[i] && (step.kind == Kind::kTable || step.kind == Kind::kAbs || step.kind == Kind::kMin ||
+                         step.kind == Kind::kMax || step.kind == Kind::kIfLess))
+        return true;
+  return false;
+}
+
 // Energy as the observer sees it who follows the centre of mass, or stands on the ground that holds the system. The
 // centre's velocity is first that near it, then corrected.
 struct Seen {
@@ -52,6 +64,7 @@ Seen look(const Simulation& simulation) {
 EnergyAudit::EnergyAudit(const Simulation& simulation)
     : simulation_(simulation),
       implicit_modes_(has_implicit_modes(simulation.model(), simulation.plan().get_options().dt)),
+      corners_(has_corners(simulation.model())),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment),
       workspace_(simulation.plan(), align(memory_, simulation.plan().get_workspace_bytes())),
       block_(simulation.plan().get_state_bytes() / sizeof(std::uint64_t)),
@@ -105,8 +118,7 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
   const bool grounded = frame_.grounded || frame.grounded;
-  // A step that was split had events, or passed corners of laws.
-  bool smooth = report.substeps == 1 && !has_corner(end - dt, end);
+  bool smooth = report.audits.empty() && !has_corner(end - dt, end);
   const EnergyFlow start = calc_start(smooth);
   if (grounded != grounded_) following_.forget();
   if (grounded)
@@ -116,9 +128,12 @@ void EnergyAudit::add_tick(const StepReport& report) {
     steady_velocity_ = frame_.velocity;
   }
   const bool implicit = is_implicit();
+  using Powers = EnergyObserver::Powers;
+  const bool split = corners_ && report.audits.empty() && report.substeps > 1;
+  const Powers powers = split ? Powers::kUnknown : (smooth ? Powers::kSmooth : Powers::kBroken);
   const auto add = [&](EnergyObserver& observer, const auto& see, const auto& see_event) {
     const EnergyFlow from = see(start, frame_), reached = see(flow, frame);
-    observer.begin_tick(smooth);
+    observer.begin_tick(powers);
     EnergyFlow last = from;
     double time = end - dt;
     for (const EventAudit& audit : report.audits) {
@@ -170,14 +185,14 @@ void EnergyObserver::begin(const EnergyFlow& flow) {
   balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
 }
 
-void EnergyObserver::begin_tick(bool smooth) {
+void EnergyObserver::begin_tick(Powers powers) {
   tick_work_ = 0;
-  smooth_ = smooth;
-  if (!smooth) known_ = 0;
+  powers_ = powers;
+  if (powers != Powers::kSmooth) known_ = 0;
 }
 
 void EnergyObserver::add_piece(const EnergyFlow& from, const EnergyFlow& to, double h) {
-  if (smooth_ && known_ > 0)
+  if (known_ > 0)
     add_smooth(from, to, h);
   else
     add_trapezoid(from, to, h);
@@ -223,6 +238,7 @@ void EnergyObserver::add_smooth(const EnergyFlow& from, const EnergyFlow& to, do
 void EnergyObserver::finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time) {
   const double gained = reached.kinetic - start.kinetic, unexplained = gained - tick_work_;
   balance_.kinetic += gained;
+  if (powers_ == Powers::kUnknown) coarse_ += std::abs(unexplained);
   (unexplained < 0 && implicit ? balance_.numerical : balance_.unexplained) += unexplained;
   balance_.scale = std::max(balance_.scale, reached.kinetic + reached.strain);
   if (!(std::abs(balance_.unexplained) <= std::abs(balance_.largest))) {
@@ -231,7 +247,7 @@ void EnergyObserver::finish_tick(const EnergyFlow& start, const EnergyFlow& reac
   }
   oldest_ = earlier_;
   earlier_ = start;
-  known_ = smooth_ ? std::min(known_ + 1, 2) : 0;
+  known_ = powers_ == Powers::kSmooth ? std::min(known_ + 1, 2) : 0;
 }
 
 double EnergyObserver::calc_doubt() const {

@@ -38,8 +38,11 @@ struct EnergyBalance {
 class EnergyObserver {
  public:
   void begin(const EnergyFlow& flow);
-  // One tick: from `start` over its pieces to `reached`. `smooth`: no event, command or corner in it.
-  void begin_tick(bool smooth);
+  // Powers over a tick. kSmooth: no event, command or corner in it; kBroken: some; kUnknown: corners of laws within it,
+  // between which the powers are not known, so that what it leaves unexplained is doubt.
+  enum class Powers { kSmooth, kBroken, kUnknown };
+  // One tick: from `start` over its pieces to `reached`.
+  void begin_tick(Powers powers);
   void add_piece(const EnergyFlow& from, const EnergyFlow& to, double h);
   void add_impulse(double kinetic);
   void finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time);
@@ -56,7 +59,7 @@ class EnergyObserver {
 
   EnergyFlow earlier_{}, oldest_{};    // at the beginnings of the last two ticks
   int known_ = 0;                      // how many of them the present tick continues smoothly
-  bool smooth_ = false;                // the present tick
+  Powers powers_ = Powers::kBroken;    // of the present tick
   double tick_work_ = 0;               // J
   double coarse_ = 0;                  // J: possible error of the trapezoidal rule
   double apart_ = 0, most_apart_ = 0;  // J: between the formula that is used and that of the next lower order; at most
@@ -92,6 +95,7 @@ class EnergyAudit {
   const Simulation& simulation_;
   std::vector<int> implicit_;      // elements that the plan integrates implicitly
   bool implicit_modes_ = false;    // implicit modes of flexible bodies
+  bool corners_ = false;           // laws that forces read have corners, at which steps are split
   std::vector<std::byte> memory_;  // memory of the audit's own evaluations
   Workspace workspace_;
   std::vector<std::uint64_t> block_;  // state before the last step

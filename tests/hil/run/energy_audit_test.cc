@@ -93,6 +93,34 @@ elements:
   EXPECT_EQ(run.watch.describe_failure(), "");
 }
 
+std::string push_alone(const std::string& law, const std::string& dt) {
+  return "unlatch: 1\nname: alone\nstep: {dt: " + dt + R"(, until: 1}
+bodies: {ball: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0]}}
+quantities: {place: {position: {body: ball, component: x}}, pace: {velocity: {body: ball, component: x}}}
+elements: {push: {type: force, body: ball, frame: world, direction: [1, 0, 0], profile: {expression: ")" +
+         law + "\"}}}\n";
+}
+
+// A free body has no energy about its own centre of mass: an observer who moves on steadily judges its motion. At 10 ms
+// these laws drive it away, or push within one step.
+TEST(EnergyAudit, AFreeBodyWhoseStepDoesNotResolveItsForceFails) {
+  for (const char* const law :
+       {"-1e5 N/m * place", "-400 N*s/m * pace", "100 N * exp(-((time - 0.505 s) / (1 ms))^2)"}) {
+    EXPECT_NE(Audited(push_alone(law, "10 ms")).watch.describe_failure(), "") << law;
+    EXPECT_EQ(Audited(push_alone(law, "0.1 ms")).watch.describe_failure(), "") << law;
+  }
+}
+
+// The motion is exact on both sides of a jump; between two jumps in one step no tick has the power.
+TEST(EnergyAudit, LawsThatJumpAreNotCalledUnresolved) {
+  for (const char* const law :
+       {"if_less(time, 0.5 s, 0 N, if_less(time, 0.5001 s, 100 N, 0 N))", "if_less(time, 0.5 s, 0 N, 10 N)",
+        "if_less(time, 0.5037 s, 0 N, 10 N)", "if_less(time, 0.5 s, 0 N, if_less(time, 0.506 s, 100 N, 0 N))",
+        "if_less(abs(time - 0.505 s), 2 ms, 100 N, 0 N)"})
+    for (const char* const dt : {"10 ms", "1 ms"})
+      EXPECT_EQ(Audited(push_alone(law, dt)).watch.describe_failure(), "") << law << " at " << dt;
+}
+
 TEST(EnergyAudit, ASpringAndItsDamperBalanceAsTheClosedFormSays) {
   const Audited run(spring("400", "1.2"));
   const double omega = 20, decay = 0.6, swing = std::sqrt(omega * omega - decay * decay), t = 1, x0 = 0.5;
