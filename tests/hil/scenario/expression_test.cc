@@ -184,6 +184,8 @@ TEST(Constants, AreNamedInExpressionsAndReplaced) {
   EXPECT_THAT(load_errors(replaced(text, "{quarter", "{kN: 3, quarter")),
               HasSubstr("'kN' cannot be the name of a constant"));
   EXPECT_THAT(load_errors(replaced(text, "{quarter", "{a-b: 3, quarter")), HasSubstr("- is minus"));
+  EXPECT_THAT(load_errors(replaced(text, "constants:", "quantities: {m: {expression: time}}\nconstants:")),
+              HasSubstr("'m' cannot be the name of a quantity"));
 }
 
 TEST(Constants, ChannelsHaveTheirUnit) {
