@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
   using namespace unlatch;
   tools::CommandLine command_line(
       "Reference flight software: the separation cyclogram of strap-on boosters and the attitude loop of their core, "
-      "over DDS, LCM or UDP. It knows only the messages of the simulator, and may be started before or after it.",
+      "over DDS, LCM, UDP or a serial line (UART). It knows only the messages of the simulator, and may be started "
+      "before or after it.",
       "unlatch-fsw",
       "Example:\n"
       "  unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime &\n"
