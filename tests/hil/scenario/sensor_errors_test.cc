@@ -296,7 +296,7 @@ TEST(SensorErrors, ADelayIsANumberOfSamplesOrATimeThatIsOne) {
   EXPECT_THAT(load_slow("50 ms"),
               testing::AllOf(testing::HasSubstr("a delay of 2.5 samples"), testing::HasSubstr("0.04 s or 0.06 s")));
   EXPECT_THAT(load_slow("1.5"), testing::HasSubstr("1 or 2, or a group with a shorter period"));
-  EXPECT_THAT(load_slow("1 m"), testing::HasSubstr("a time, 20 ms"));
+  EXPECT_THAT(load_slow("1 m"), testing::HasSubstr("or a time: 2, 20 ms"));
   EXPECT_THAT(load_slow("-1"), testing::HasSubstr("a whole number from 0 to 1000"));
 }
 
