@@ -118,6 +118,14 @@ std::vector<TableLookup> list_table_lookups(const Model& model) {
   return list;
 }
 
+bool has_driving_corners(const Model& model) {
+  const std::vector<bool> driving = list_driving_laws(model);
+  for (std::size_t i = 0; i < driving.size(); ++i)
+    for (const LawStep& step : model.laws[i].steps)
+      if (driving[i] && count_law_places(model, step) > 0) return true;
+  return false;
+}
+
 std::span<const double> get_law_places(const Workspace& workspace) noexcept {
   return get_data(workspace).kept.evaluation.law_places;
 }

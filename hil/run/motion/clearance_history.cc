@@ -62,12 +62,14 @@ double ClearanceHistory::calc_change(std::size_t pair, const RelativeMotion& fro
   return geometry::calc_way(from.centre, from.R, to.centre, to.R, monitor_.get_reach(pair).bound);
 }
 
-// Distance below which a result may change: a new smallest value, or a tie with it.
-double ClearanceHistory::get_limit(std::size_t pair) const {
+// The greater of the smallest values so far: a result changes only below it.
+double ClearanceHistory::get_smallest(std::size_t pair) const {
   const Track& track = tracks_[pair];
-  return kTie + (track.after_release ? std::max(track.whole.get_value(), track.released.get_value())
-                                     : track.whole.get_value());
+  return track.after_release ? std::max(track.whole.get_value(), track.released.get_value()) : track.whole.get_value();
 }
+
+// Distance below which a result may change: a new smallest value, or a tie with it.
+double ClearanceHistory::get_limit(std::size_t pair) const { return kTie + get_smallest(pair); }
 
 // Tests a bound that is cheaper than that of skip(), and wider: paths of the origins and sums of rotation angles.
 // Inside the piece the interpolated motion departs from its end by less than twice the greater speed times the step.
@@ -285,14 +287,12 @@ void ClearanceHistory::add(const MotionWindow& window) {
 // Looks for pairs of shapes that are nearest inside the piece, and at neither end of it.
 void ClearanceHistory::look_between_knots(const MotionPiece& piece, std::size_t pair) {
   Track& track = tracks_[pair];
-  const double limit =
-      track.after_release ? std::max(track.whole.get_value(), track.released.get_value()) : track.whole.get_value();
   const std::optional<Dip> dip = find_dip(monitor_, piece,
                                           {.pair = pair,
                                            .a = get_index(now_[pair].a),
                                            .b = get_index(now_[pair].b),
                                            .length = track.length,
-                                           .limit = limit,
+                                           .limit = get_smallest(pair),
                                            .resolution = get_resolution(static_cast<int>(pair))});
   if (!dip) return;
   track.whole.take(dip->time, dip->value);

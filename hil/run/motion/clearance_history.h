@@ -76,6 +76,7 @@ class ClearanceHistory {
   void refresh_rate(std::size_t pair) const;
   [[nodiscard]] RelativeMotion calc_relative(std::size_t pair, const MovingBody& a, const MovingBody& b) const;
   [[nodiscard]] double calc_change(std::size_t pair, const RelativeMotion& from, const RelativeMotion& to) const;
+  [[nodiscard]] double get_smallest(std::size_t pair) const;
   [[nodiscard]] double get_limit(std::size_t pair) const;
   [[nodiscard]] bool is_far(const MotionPiece& piece, std::size_t pair) const;
   const MovingBody& get_end(const MotionPiece& piece, std::size_t body);

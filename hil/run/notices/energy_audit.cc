@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "unlatch/model/law_places.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -32,18 +34,6 @@ bool has_implicit_modes(const Model& model, double dt) {
   });
 }
 
-// True if steps may be split at corners of laws that forces read.
-bool has_corners(const Model& model) {
-  using Kind = LawStep::Kind;
-  const std::vector<bool> driving = list_driving_laws(model);
-  for (std::size_t i = 0; i < driving.size(); ++i)
-    for (const LawStep& step : model.laws[i].steps)
-      if (driving[i] && (step.kind == Kind::kTable || step.kind == Kind::kAbs || step.kind == Kind::kMin ||
-                         step.kind == Kind::kMax || step.kind == Kind::kIfLess))
-        return true;
-  return false;
-}
-
 // Energy as the observer sees it who follows the centre of mass, or stands on the ground that holds the system. The
 // centre's velocity is first that near it, then corrected.
 struct Seen {
@@ -64,7 +54,7 @@ Seen look(const Simulation& simulation) {
 EnergyAudit::EnergyAudit(const Simulation& simulation)
     : simulation_(simulation),
       implicit_modes_(has_implicit_modes(simulation.model(), simulation.plan().get_options().dt)),
-      corners_(has_corners(simulation.model())),
+      corners_(has_driving_corners(simulation.model())),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment),
       workspace_(simulation.plan(), align(memory_, simulation.plan().get_workspace_bytes())),
       block_(simulation.plan().get_state_bytes() / sizeof(std::uint64_t)),

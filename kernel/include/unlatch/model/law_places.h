@@ -21,6 +21,9 @@ std::vector<TableLookup> list_table_lookups(const Model& model);
 // ground.
 std::vector<std::vector<int>> list_bodies_of_laws(const Model& model);
 
+// True if a law of a valid model that some element reads has a table or a branch, at whose corners a step may be split.
+bool has_driving_corners(const Model& model);
+
 // Where the laws looked tables up at the end of the latest step.
 std::span<const double> get_law_places(const Workspace& workspace) noexcept;
 
