@@ -8,12 +8,13 @@ import json
 import math
 import os
 import re
+import shutil
 import struct
 import unittest
 
 import yaml
 
-from processes import BIN, BOOSTERS, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
+from processes import BIN, BOOSTERS, PATIENT, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
 EXAMPLES = SOURCE / "bridge/examples"
 SATELLITE = EXAMPLES / "first/satellite.yaml"
@@ -105,6 +106,26 @@ class ClientsTest(ProcessTest):
             report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
             self.assertIn("the session ended at tick 500", self.finish(host), stack)
             self.assertEqual(report["hash"], wanted, stack)
+
+    def test_the_ros_node_on_fast_dds_is_flown_by_a_controller_on_cyclone_dds(self):
+        """Two middlewares of ROS 2 with the names, types and qualities of service that ROS gives them; each has its own encoder."""
+        if not (BIN / "stack_ros2_wire").exists():
+            self.skipTest("Fast DDS is missing: tools/setup test")
+        node, controller = self.begin(BIN / "stack_ros2_wire"), self.begin(BIN / "stack_ros2_controller")
+        for topic in ("/clock", "/tf", "/unlatch/sensors", "/unlatch/command"):
+            self.wait_for(node, f"{topic} is matched")
+        self.wait_for(controller, "everything is matched")
+        report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep", *PATIENT)
+        self.assertIn("the session ended at tick 500", self.finish(node))
+        self.assertIn("controller: 500 states, clock 0.499 s, x = 2.990000 m", self.finish(controller))
+        self.assertEqual(report["hash"], self.fly("udp", [BIN / "example_pilot_udp"])["hash"])
+
+    def test_the_fast_dds_example_flies_the_pilots_bits(self):
+        """Long, because it is built here: fastddsgen makes its types, so that it needs a Java."""
+        if not shutil.which("fastddsgen"):
+            self.skipTest("fastddsgen is missing: tools/setup long")
+        said = self.run_ok(EXAMPLES / "fastdds/run", BIN).stdout
+        self.assertIn(self.fly("udp", [BIN / "example_pilot_udp"])["hash"], said)
 
     def test_the_udp_participant_answers_states_that_are_resent(self):
         """A line that loses and repeats states, commands and answers changes no bit."""
