@@ -1,7 +1,7 @@
-/* The datagrams are those of bridge/UDP.md. */
+/* The datagrams are those of bridge/UDP.md. UNLATCH_PARTICIPANT_WITHOUT_SOCKETS leaves out what needs an operating
+ * system: unlatch_participant_open(), _poll() and _close(). */
+#ifndef UNLATCH_PARTICIPANT_WITHOUT_SOCKETS
 #define _POSIX_C_SOURCE 200112L
-#include "participant.h"
-
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -9,60 +9,24 @@
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
+#endif
 
-enum { kHeaderBytes = 20, kMaxBytes = kHeaderBytes + UNLATCH_WIRE_STATE_BYTES, kJoinInterval_ms = 100 };
-enum { kKindAt = 12, kLengthAt = 14, kChecksumAt = 16 };
-static const uint32_t kMagic = 0x554e4c31; /* "UNL1" */
-static const uint32_t kAsParticipant = 1;
+#include "participant.h"
 
-static int64_t get_ms(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
-}
-
-/* CRC-32 of IEEE 802.3, to be continued from a previous result. */
-static uint32_t calc_crc32(const uint8_t* bytes, size_t count, uint32_t crc) {
-  size_t i;
-  int bit;
-  crc = ~crc;
-  for (i = 0; i < count; ++i) {
-    crc ^= bytes[i];
-    for (bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1 ^ 0xedb88320U : crc >> 1;
-  }
-  return ~crc;
-}
-
-/* Checksum of a datagram, computed as if its field for the checksum were zero. */
-static uint32_t calc_checksum(const uint8_t* datagram, size_t length) {
-  static const uint8_t kZero[4] = {0, 0, 0, 0};
-  const uint32_t crc = calc_crc32(kZero, sizeof kZero, calc_crc32(datagram, kChecksumAt, 0));
-  return calc_crc32(datagram + kHeaderBytes, length - kHeaderBytes, crc);
-}
-
-/* `payload` bytes stand behind the header. Without a simulator the datagram is lost, which is no error. */
+/* A message of `payload` bytes stands behind the header. */
 static void send_datagram(unlatch_participant* p, uint8_t* datagram, int kind, size_t payload) {
-  const size_t length = kHeaderBytes + payload;
-  uint8_t* to = unlatch_wire_put(datagram, kMagic, 4);
-  to = unlatch_wire_put(to, p->run, 4);
-  to = unlatch_wire_put(to, p->sequence++, 4);
-  to = unlatch_wire_put(to, (uint64_t)kind, 2);
-  to = unlatch_wire_put(to, payload, 2);
-  unlatch_wire_put(to, calc_checksum(datagram, length), 4);
-  if (send(p->socket, datagram, length, 0) < 0) errno = 0;
+  p->send(p, datagram, unlatch_frame_seal(datagram, p->run, p->sequence++, kind, payload));
 }
 
-static void join(unlatch_participant* p) {
-  uint8_t datagram[kHeaderBytes + 4];
-  unlatch_wire_put(datagram + kHeaderBytes, kAsParticipant, 4);
-  send_datagram(p, datagram, 0, 4);
-  p->joined_ms = get_ms();
+void unlatch_participant_join(unlatch_participant* p) {
+  uint8_t datagram[UNLATCH_FRAME_HEADER_BYTES + UNLATCH_FRAME_JOIN_BYTES];
+  p->send(p, datagram, unlatch_frame_build_join(datagram, p->run, p->sequence++));
 }
 
 static void introduce(unlatch_participant* p) {
-  uint8_t datagram[kHeaderBytes + UNLATCH_WIRE_HELLO_ACK_BYTES];
-  const size_t payload =
-      unlatch_wire_encode_hello_ack(&p->introduction, datagram + kHeaderBytes, sizeof datagram - kHeaderBytes);
+  uint8_t datagram[UNLATCH_FRAME_HEADER_BYTES + UNLATCH_WIRE_HELLO_ACK_BYTES];
+  const size_t payload = unlatch_wire_encode_hello_ack(&p->introduction, datagram + UNLATCH_FRAME_HEADER_BYTES,
+                                                       sizeof datagram - UNLATCH_FRAME_HEADER_BYTES);
   send_datagram(p, datagram, UNLATCH_WIRE_HELLO_ACK_KIND, payload);
   ++p->introduction.sequence;
 }
@@ -103,12 +67,13 @@ static void hear_catalog(unlatch_participant* p, const unlatch_wire_catalog* ite
 }
 
 static void send_answer(unlatch_participant* p) {
-  uint8_t datagram[kHeaderBytes + UNLATCH_WIRE_COMMAND_BYTES + UNLATCH_WIRE_STEP_ACK_BYTES];
+  uint8_t datagram[UNLATCH_FRAME_HEADER_BYTES + UNLATCH_WIRE_COMMAND_BYTES + UNLATCH_WIRE_STEP_ACK_BYTES];
   unlatch_wire_step_ack ack;
   int i;
   for (i = 0; i < p->command_count; ++i) {
     send_datagram(p, datagram, UNLATCH_WIRE_COMMAND_KIND,
-                  unlatch_wire_encode_command(&p->commands[i], datagram + kHeaderBytes, UNLATCH_WIRE_COMMAND_BYTES));
+                  unlatch_wire_encode_command(&p->commands[i], datagram + UNLATCH_FRAME_HEADER_BYTES,
+                                              UNLATCH_WIRE_COMMAND_BYTES));
   }
   ack.session = p->hello.session;
   ack.sequence = p->state.sequence;
@@ -117,7 +82,7 @@ static void send_answer(unlatch_participant* p) {
   ack.participant = p->introduction.participant;
   ack.command_count = p->command_count;
   send_datagram(p, datagram, UNLATCH_WIRE_STEP_ACK_KIND,
-                unlatch_wire_encode_step_ack(&ack, datagram + kHeaderBytes, UNLATCH_WIRE_STEP_ACK_BYTES));
+                unlatch_wire_encode_step_ack(&ack, datagram + UNLATCH_FRAME_HEADER_BYTES, UNLATCH_WIRE_STEP_ACK_BYTES));
 }
 
 static unlatch_participant_event hear_state(unlatch_participant* p, const unlatch_wire_state* state) {
@@ -132,18 +97,6 @@ static unlatch_participant_event hear_state(unlatch_participant* p, const unlatc
   p->state = *state;
   p->command_count = 0;
   return UNLATCH_PARTICIPANT_STATE;
-}
-
-/* The message's number, with its bytes from `payload` on; −1: the datagram is none of ours; 0: a join. */
-static int read_datagram(const uint8_t* datagram, size_t length) {
-  uint64_t magic, kind, payload, checksum;
-  if (length < kHeaderBytes) return -1;
-  unlatch_wire_get(datagram, &magic, 4);
-  unlatch_wire_get(datagram + kKindAt, &kind, 2);
-  unlatch_wire_get(datagram + kLengthAt, &payload, 2);
-  unlatch_wire_get(datagram + kChecksumAt, &checksum, 4);
-  if (magic != kMagic || payload != length - kHeaderBytes || checksum != calc_checksum(datagram, length)) return -1;
-  return (int)kind;
 }
 
 static unlatch_participant_event handle(unlatch_participant* p, int kind, const uint8_t* from, size_t length) {
@@ -172,61 +125,26 @@ static unlatch_participant_event handle(unlatch_participant* p, int kind, const 
   return UNLATCH_PARTICIPANT_NOTHING;
 }
 
-int unlatch_participant_open(unlatch_participant* p, const char* name, const char* address, uint16_t port) {
-  struct sockaddr_in to;
-  struct timespec now;
-  const size_t length = strlen(name);
+void unlatch_participant_begin(unlatch_participant* p, const char* name, uint32_t number, unlatch_participant_send send,
+                               void* link) {
+  size_t i;
   memset(p, 0, sizeof *p);
-  memset(&to, 0, sizeof to);
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  if (length == 0 || length >= UNLATCH_WIRE_NAME_LENGTH || inet_pton(AF_INET, address, &to.sin_addr) != 1) {
-    errno = EINVAL;
-    return -1;
-  }
-  p->socket = socket(AF_INET, SOCK_DGRAM, 0);
-  if (p->socket < 0) return -1;
-  if (connect(p->socket, (const struct sockaddr*)&to, sizeof to) != 0) { /* what comes from elsewhere is kept away */
-    close(p->socket);
-    return -1;
-  }
-  clock_gettime(CLOCK_REALTIME, &now); /* distinguishes this start from others */
-  p->run = (uint32_t)now.tv_nsec ^ (uint32_t)now.tv_sec << 8 ^ (uint32_t)getpid() << 16;
-  p->introduction.participant = (int32_t)(p->run & 0x7fffffffU);
-  memcpy(p->introduction.name, name, length);
+  p->run = number;
+  p->send = send;
+  p->link = link;
+  p->socket = -1;
+  p->introduction.participant = (int32_t)(number & 0x7fffffffU);
+  for (i = 0; name[i] != 0 && i + 1 < UNLATCH_WIRE_NAME_LENGTH; ++i) p->introduction.name[i] = (uint8_t)name[i];
   p->answered_tick = -1;
-  join(p);
-  return 0;
 }
 
-unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int wait_ms) {
-  uint8_t datagram[kMaxBytes + 1];
-  const int64_t end_ms = get_ms() + wait_ms;
-  for (;;) {
-    struct pollfd waiting;
-    int64_t left_ms, now_ms = get_ms();
-    int kind;
-    if (now_ms - p->joined_ms >= kJoinInterval_ms) join(p);
-    left_ms = end_ms - now_ms;
-    if (left_ms < 0) left_ms = 0;
-    waiting.fd = p->socket;
-    waiting.events = POLLIN;
-    waiting.revents = 0;
-    if (poll(&waiting, 1, (int)(left_ms < kJoinInterval_ms ? left_ms : kJoinInterval_ms)) > 0) {
-      const ssize_t length = recv(p->socket, datagram, sizeof datagram, 0);
-      if (length >= 0) {
-        kind = read_datagram(datagram, (size_t)length);
-        if (kind < 0) {
-          ++p->malformed;
-        } else {
-          const unlatch_participant_event event =
-              handle(p, kind, datagram + kHeaderBytes, (size_t)length - kHeaderBytes);
-          if (event != UNLATCH_PARTICIPANT_NOTHING) return event;
-        }
-      }
-    }
-    if (get_ms() >= end_ms) return UNLATCH_PARTICIPANT_NOTHING;
+unlatch_participant_event unlatch_participant_hear(unlatch_participant* p, const uint8_t* datagram, size_t length) {
+  unlatch_frame frame;
+  if (!unlatch_frame_read(&frame, datagram, length)) {
+    ++p->malformed;
+    return UNLATCH_PARTICIPANT_NOTHING;
   }
+  return handle(p, frame.kind, frame.payload, frame.length);
 }
 
 int unlatch_participant_find(const unlatch_participant* p, int kind, const char* name) {
@@ -256,9 +174,82 @@ void unlatch_participant_answer(unlatch_participant* p) {
   send_answer(p);
 }
 
-void unlatch_participant_close(unlatch_participant* p) {
+void unlatch_participant_leave(unlatch_participant* p) {
   p->introduction.status = UNLATCH_ACK_STATUS_LEAVING;
   if (p->introduction.session != 0) introduce(p);
+}
+
+#ifndef UNLATCH_PARTICIPANT_WITHOUT_SOCKETS
+
+enum { kJoinInterval_ms = 100 };
+
+static int64_t get_ms(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+/* Without a simulator the datagram is lost, which is no error. */
+static void send_to_socket(unlatch_participant* p, const uint8_t* datagram, size_t length) {
+  if (send(p->socket, datagram, length, 0) < 0) errno = 0;
+}
+
+static void join(unlatch_participant* p) {
+  unlatch_participant_join(p);
+  p->joined_ms = get_ms();
+}
+
+int unlatch_participant_open(unlatch_participant* p, const char* name, const char* address, uint16_t port) {
+  struct sockaddr_in to;
+  struct timespec now;
+  const size_t length = strlen(name);
+  memset(&to, 0, sizeof to);
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  if (length == 0 || length >= UNLATCH_WIRE_NAME_LENGTH || inet_pton(AF_INET, address, &to.sin_addr) != 1) {
+    errno = EINVAL;
+    return -1;
+  }
+  clock_gettime(CLOCK_REALTIME, &now); /* distinguishes this start from others */
+  unlatch_participant_begin(p, name, (uint32_t)now.tv_nsec ^ (uint32_t)now.tv_sec << 8 ^ (uint32_t)getpid() << 16,
+                            send_to_socket, NULL);
+  p->socket = socket(AF_INET, SOCK_DGRAM, 0);
+  if (p->socket < 0) return -1;
+  if (connect(p->socket, (const struct sockaddr*)&to, sizeof to) != 0) { /* what comes from elsewhere is kept away */
+    close(p->socket);
+    return -1;
+  }
+  join(p);
+  return 0;
+}
+
+unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int wait_ms) {
+  uint8_t datagram[UNLATCH_FRAME_LONGEST + 1];
+  const int64_t end_ms = get_ms() + wait_ms;
+  for (;;) {
+    struct pollfd waiting;
+    int64_t left_ms, now_ms = get_ms();
+    if (now_ms - p->joined_ms >= kJoinInterval_ms) join(p);
+    left_ms = end_ms - now_ms;
+    if (left_ms < 0) left_ms = 0;
+    waiting.fd = p->socket;
+    waiting.events = POLLIN;
+    waiting.revents = 0;
+    if (poll(&waiting, 1, (int)(left_ms < kJoinInterval_ms ? left_ms : kJoinInterval_ms)) > 0) {
+      const ssize_t length = recv(p->socket, datagram, sizeof datagram, 0);
+      if (length >= 0) {
+        const unlatch_participant_event event = unlatch_participant_hear(p, datagram, (size_t)length);
+        if (event != UNLATCH_PARTICIPANT_NOTHING) return event;
+      }
+    }
+    if (get_ms() >= end_ms) return UNLATCH_PARTICIPANT_NOTHING;
+  }
+}
+
+void unlatch_participant_close(unlatch_participant* p) {
+  unlatch_participant_leave(p);
   close(p->socket);
   p->socket = -1;
 }
+
+#endif

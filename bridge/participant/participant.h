@@ -1,6 +1,7 @@
-/* A participant in C99 over plain UDP, without any library: copy this file, participant.c and schema/unlatch_wire.h
- * into your flight software (cFS, F´, an RTOS with BSD sockets, a Simulink S-function). It introduces itself, finds
- * numbers of channels and sensors by name, and answers States as hil/PROTOCOL.md demands, also those that are resent.
+/* A participant in C99 over plain UDP, without any library: copy this file, participant.c, schema/unlatch_wire.h and
+ * schema/unlatch_frame.h into your flight software (cFS, F´, an RTOS with BSD sockets, a Simulink S-function). It
+ * introduces itself, finds numbers of channels and sensors by name, and answers States as hil/PROTOCOL.md demands, also
+ * those that are resent.
  *
  *   unlatch_participant p;
  *   if (unlatch_participant_open(&p, "pilot", "127.0.0.1", 7670) != 0) return 1;
@@ -12,11 +13,15 @@
  *     case UNLATCH_PARTICIPANT_END: unlatch_participant_close(&p); return 0;
  *   }
  *
+ * Without an operating system, over a serial line of your own (bridge/target): unlatch_participant_begin() with a
+ * function that sends, unlatch_participant_join() every 100 ms, and unlatch_participant_hear() for each frame.
+ *
  * Nothing allocates; one thread. Of systems with more than 64 sensor values or 16 bodies it reads the first part of a
  * State. */
 #ifndef UNLATCH_PARTICIPANT_H_
 #define UNLATCH_PARTICIPANT_H_
 
+#include "unlatch_frame.h"
 #include "unlatch_wire.h"
 
 #ifdef __cplusplus
@@ -33,7 +38,11 @@ typedef enum unlatch_participant_event {
   UNLATCH_PARTICIPANT_REFUSED  /* p->verdict: one of our messages was refused, and why */
 } unlatch_participant_event;
 
-typedef struct unlatch_participant {
+typedef struct unlatch_participant unlatch_participant;
+/* Sends a datagram, or a frame of a serial line; one that is lost is sent again. */
+typedef void (*unlatch_participant_send)(unlatch_participant* p, const uint8_t* datagram, size_t length);
+
+struct unlatch_participant {
   /* To read. */
   unlatch_wire_hello hello;
   unlatch_wire_state state;
@@ -41,6 +50,8 @@ typedef struct unlatch_participant {
   int64_t malformed; /* datagrams that were none */
 
   /* Its own. */
+  unlatch_participant_send send;
+  void* link; /* for send() */
   int socket;
   uint32_t run, sequence;
   int64_t answered_tick, last_command, joined_ms;
@@ -49,13 +60,23 @@ typedef struct unlatch_participant {
   int item_count;
   unlatch_wire_command commands[UNLATCH_PARTICIPANT_COMMANDS]; /* of answered_tick, for when its State is resent */
   int command_count;
-} unlatch_participant;
+};
 
 /* Joins the simulator at that IPv4 address, which need not run yet. `name`: as the scenario requires it. 0, or −1 with
  * errno. */
 int unlatch_participant_open(unlatch_participant* p, const char* name, const char* address, uint16_t port);
 /* Waits for a datagram at most `wait_ms` and handles it. */
 unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int wait_ms);
+/* The same for a link of your own. `number`: another one for each start. The name is cut where it is too long. */
+void unlatch_participant_begin(unlatch_participant* p, const char* name, uint32_t number, unlatch_participant_send send,
+                               void* link);
+/* Says that it is here; to be repeated every 100 ms. */
+void unlatch_participant_join(unlatch_participant* p);
+/* Handles one datagram or frame. */
+unlatch_participant_event unlatch_participant_hear(unlatch_participant* p, const uint8_t* datagram, size_t length);
+/* Says that it leaves. */
+void unlatch_participant_leave(unlatch_participant* p);
+
 /* Number of a channel, a sensor's value or a signal (UNLATCH_CATALOG_KIND_…) in this session; −1: there is none. */
 int unlatch_participant_find(const unlatch_participant* p, int kind, const char* name);
 /* A command for the tick of p->state, sent with the answer. 0; −1: too many, or no such channel. */

@@ -8,6 +8,7 @@
 
 #include "kernel/targets/plans.h"
 #include "kernel/targets/port.h"
+#include "kernel/targets/text_line.h"
 #include "unlatch/plan_image.h"
 #include "unlatch/step.h"
 
@@ -20,37 +21,6 @@ constexpr std::byte kPaint{0xA5};     // of stack that nothing has used
 alignas(8) std::byte state_memory[UNLATCH_STATE_BYTES];  // both from CMakeLists.txt
 alignas(64) std::byte workspace_memory[UNLATCH_WORKSPACE_BYTES];
 PlanMemory plan_memory;
-
-// Prints texts and numbers without a C library.
-class Line {
- public:
-  Line& operator<<(const char* text) {
-    while (*text != 0 && length_ + 1 < sizeof(text_)) text_[length_++] = *text++;
-    return *this;
-  }
-  Line& operator<<(std::uint64_t number) {
-    char digits[21]{};
-    std::size_t begin = sizeof(digits) - 1;
-    do {
-      digits[--begin] = static_cast<char>('0' + number % 10);
-      number /= 10;
-    } while (number != 0);
-    return *this << digits + begin;
-  }
-  Line& add_hash(std::uint64_t hash) {
-    char digits[17]{};
-    for (int i = 0; i < 16; ++i) digits[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
-    return *this << digits;
-  }
-  ~Line() {
-    text_[length_] = 0;
-    write(text_);
-  }
-
- private:
-  char text_[256]{};
-  std::size_t length_ = 0;
-};
 
 // FNV-1a over 64-bit words, folded: as in tests/golden.
 class OutputHash {
@@ -83,13 +53,13 @@ bool fly(const Flight& flight) {
   const std::span image(flight.begin, flight.end);
   const OpenedPlan opened = open_plan(image, plan_memory);
   if (!opened.plan) {
-    Line() << flight.name << ": " << get_status_text(opened.status) << "\n";
+    TextLine() << flight.name << ": " << get_status_text(opened.status) << "\n";
     return false;
   }
   const Plan& plan = *opened.plan;
   if (plan.get_state_bytes() > sizeof(state_memory) || plan.get_workspace_bytes() > sizeof(workspace_memory)) {
-    Line() << flight.name << ": needs " << plan.get_state_bytes() << " bytes of state and "
-           << plan.get_workspace_bytes() << " of workspace\n";
+    TextLine() << flight.name << ": needs " << plan.get_state_bytes() << " bytes of state and "
+               << plan.get_workspace_bytes() << " of workspace\n";
     return false;
   }
   State state(plan, state_memory);
@@ -103,8 +73,8 @@ bool fly(const Flight& flight) {
     const StepReport report = step(plan, inputs, state, workspace);
     const std::uint64_t count = read_counter() - begin;
     if (report.status != StepStatus::kOk) {
-      Line() << flight.name << ": tick " << static_cast<std::uint64_t>(tick) << ": " << get_status_text(report.status)
-             << "\n";
+      TextLine() << flight.name << ": tick " << static_cast<std::uint64_t>(tick) << ": "
+                 << get_status_text(report.status) << "\n";
       return false;
     }
     sum += count;
@@ -113,16 +83,17 @@ bool fly(const Flight& flight) {
     outputs.add(workspace.sensors);
     outputs.add(workspace.multipliers);
     if (tick % kEvery == 0 || tick == flight.ticks)
-      (Line() << flight.name << " " << static_cast<std::uint64_t>(tick) << " ").add_hash(calc_hash(state)) << "\n";
+      (TextLine() << flight.name << " " << static_cast<std::uint64_t>(tick) << " ").add_hash(calc_hash(state)) << "\n";
   }
-  (Line() << flight.name << " outputs ").add_hash(outputs.get()) << "\n";
-  Line() << flight.name << " events " << events << "\n";
-  Line() << "# " << flight.name << ": image " << std::uint64_t{image.size()} << " bytes, state "
-         << std::uint64_t{plan.get_state_bytes()} << ", workspace " << std::uint64_t{plan.get_workspace_bytes()}
-         << "\n";
+  (TextLine() << flight.name << " outputs ").add_hash(outputs.get()) << "\n";
+  TextLine() << flight.name << " events " << events << "\n";
+  TextLine() << "# " << flight.name << ": image " << std::uint64_t{image.size()} << " bytes, state "
+             << std::uint64_t{plan.get_state_bytes()} << ", workspace " << std::uint64_t{plan.get_workspace_bytes()}
+             << "\n";
   if (most != 0)
-    Line() << "# " << flight.name << ": instructions per step " << sum * kInstructionUnit / std::uint64_t(flight.ticks)
-           << " on average, at most " << most * kInstructionUnit << "\n";
+    TextLine() << "# " << flight.name << ": instructions per step "
+               << sum * kInstructionUnit / std::uint64_t(flight.ticks) << " on average, at most "
+               << most * kInstructionUnit << "\n";
   return true;
 }
 
@@ -134,6 +105,6 @@ int main() {
   paint_stack();
   bool good = true;
   for (const Flight* flight = kFlights; flight->name != nullptr; ++flight) good = fly(*flight) && good;
-  Line() << "# stack " << std::uint64_t{measure_stack()} << " bytes\n";
+  TextLine() << "# stack " << std::uint64_t{measure_stack()} << " bytes\n";
   finish(good ? 0 : 1);
 }

@@ -37,6 +37,11 @@ int memcmp(const void* a, const void* b, std::size_t size) {
   return 0;
 }
 
+int strcmp(const char* a, const char* b) {
+  for (; *a != 0 && *a == *b; ++a) ++b;
+  return static_cast<unsigned char>(*a) - static_cast<unsigned char>(*b);
+}
+
 std::size_t strlen(const char* text) {
   std::size_t length = 0;
   while (text[length] != 0) ++length;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bridge/schema/unlatch_frame.h"
 #include "tests/bridge/random_messages.h"
 
 namespace unlatch::test {
@@ -115,6 +116,43 @@ TEST(FrameReader, LosesOnlyTheFrameInWhichAByteIsMissing) {
     middle.erase(middle.begin() + draw_below(random, static_cast<int>(middle.size())));
     const Reading reading = read(join(wrong), random, 100);
     EXPECT_EQ(reading.numbers, (std::vector<std::uint32_t>{0, 2})) << "seed " << kSeed + 3 << ", trial " << trial;
+  }
+}
+
+// bridge/schema/unlatch_frame.h, which programs on boards read with.
+TEST(FrameReader, ReadsWhatTheReaderInC99Reads) {
+  static_assert(UNLATCH_FRAME_LONGEST == bridge::kMaxUdpBytes);
+  static_assert(UNLATCH_FRAME_LAST_KIND == hil::kMessageKinds);
+  Random random(kSeed + 4);
+  for (int trial = 0; trial < 50; ++trial) {
+    Bytes stream;
+    for (Bytes& frame : build_frames(20, random)) {
+      if (draw_below(random, 3) == 0)
+        frame[static_cast<std::size_t>(draw_below(random, static_cast<int>(frame.size())))] ^= 1;
+      const Bytes noise = draw_below(random, 3) == 0 ? draw_noise(random) : Bytes{};
+      stream.insert(stream.end(), noise.begin(), noise.end());
+      stream.insert(stream.end(), frame.begin(), frame.end());
+    }
+    std::vector<std::uint32_t> numbers;
+    unlatch_frame_stream reader{};
+    unlatch_frame_order order{};
+    unlatch_frame frame;
+    const auto read_all = [&] {
+      while (unlatch_frame_next(&reader, &frame) != 0) {
+        numbers.push_back(frame.sequence);
+        EXPECT_EQ(frame.run, 7u);
+        EXPECT_NE(unlatch_frame_is_new(&order, &frame), 0);
+        EXPECT_EQ(unlatch_frame_is_new(&order, &frame), 0);
+      }
+    };
+    for (const std::uint8_t byte : stream) {
+      unlatch_frame_push(&reader, byte);
+      read_all();
+    }
+    while (unlatch_frame_give_up(&reader) != 0) read_all();
+    const Reading reading = read(stream, random, 200);
+    EXPECT_EQ(numbers, reading.numbers) << "seed " << kSeed + 4 << ", trial " << trial;
+    EXPECT_EQ(reader.gaps, reading.gaps);
   }
 }
 

@@ -21,7 +21,7 @@ LIBRARY = ("include", "c", "python", "fmi")  # lowest first
 TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "optimize", "dossier",
          "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
          "unlatch", "mpi")  # lowest first
-BRIDGE = ("schema", "participant", "stacks", "core", "udp", "uart", "lcm", "dds", "telemetry")  # lowest first
+BRIDGE = ("schema", "participant", "target", "stacks", "core", "udp", "uart", "lcm", "dds", "telemetry")  # lowest first
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 

@@ -1,9 +1,21 @@
 // RISC-V with 64 bits and double-precision FPU: `qemu-system-riscv64 -M virt -bios none -semihosting`, machine mode.
-// The register instret counts instructions (with `-icount shift=0`).
+// The register instret counts instructions (with `-icount shift=0`). The serial port is the 16550; the timer goes at 10
+// MHz.
 #include "kernel/targets/ports/run.h"
 #include "kernel/targets/ports/semihosting.h"
+#include "kernel/targets/serial.h"
 
 namespace unlatch::target {
+namespace {
+
+volatile std::uint8_t* get_register(std::uintptr_t address) {
+  return reinterpret_cast<volatile std::uint8_t*>(address);
+}
+constexpr std::uintptr_t kSerialData = 0x10000000, kSerialBuffers = 0x10000002, kSerialState = 0x10000005;
+constexpr std::uint8_t kSerialHasByte = 1, kSerialHasPlace = 1U << 5;  // of the state
+constexpr std::uint64_t kTicksPerMicrosecond = 10;
+
+}  // namespace
 
 std::uintptr_t call_debugger(std::uintptr_t operation, const void* argument) {
   register std::uintptr_t a0 asm("a0") = operation;
@@ -22,6 +34,26 @@ std::uint64_t read_counter() {
   std::uint64_t now;
   asm volatile("csrr %0, minstret" : "=r"(now));
   return now;
+}
+
+std::uint64_t read_clock_us() {
+  std::uint64_t now;
+  asm volatile("csrr %0, time" : "=r"(now));
+  return now / kTicksPerMicrosecond;
+}
+
+void open_serial() { *get_register(kSerialBuffers) = 0xC1; }  // 16 bytes are kept
+
+bool read_serial(std::uint8_t& byte) {
+  if ((*get_register(kSerialState) & kSerialHasByte) == 0) return false;
+  byte = *get_register(kSerialData);
+  return true;
+}
+
+bool write_serial(std::uint8_t byte) {
+  if ((*get_register(kSerialState) & kSerialHasPlace) == 0) return false;
+  *get_register(kSerialData) = byte;
+  return true;
 }
 
 }  // namespace unlatch::target

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "bridge/uart/session_image.h"
 #include "hil/run/run.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
@@ -15,12 +16,22 @@ namespace {
 
 struct CompileOptions {
   ScenarioOptions scenario;
-  std::string out;
+  std::string out, session;
 };
+
+void write_session(const CompileOptions& options, const hil::Scenario& scenario, const hil::Simulation& simulation) {
+  const std::vector<std::uint8_t> image = bridge::build_session_image(scenario, simulation, calc_last_tick(scenario));
+  write_text({reinterpret_cast<const char*>(image.data()), image.size()}, options.session);
+  std::printf("%s: %s\n", options.session.c_str(), count(image.size(), "byte").c_str());
+}
 
 int run_compile(const CompileOptions& options) {
   check_output(options.out);
+  check_output(options.session);
   const hil::Scenario scenario = load(options.scenario);
+  if (!options.session.empty())
+    if (const std::string obstacle = bridge::find_target_obstacle(scenario); !obstacle.empty())
+      refuse_option("--session", obstacle);
   const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
   const Plan& plan = simulation->plan();
   const std::span<const std::byte> image = plan.get_image();
@@ -31,6 +42,7 @@ int run_compile(const CompileOptions& options) {
   std::printf("state %s, workspace %s on this machine, %s\n", count(plan.get_state_bytes(), "byte").c_str(),
               count(plan.get_workspace_bytes(), "byte").c_str(),
               count(plan.get_initial_commands().size(), "command channel").c_str());
+  if (!options.session.empty()) write_session(options, scenario, *simulation);
   return kExitDone;
 }
 
@@ -43,6 +55,8 @@ void add_compile(Command app, int& exit_code) {
       "unlatch compile hil/scenarios/boosters/reference.yaml --out boosters.plan");
   add_scenario_options(command, options->scenario);
   command.add_option("--out", options->out, "plan image (kernel/TARGETS.md)").required();
+  command.add_option("--session", options->session,
+                     "what the session announces, for a target in the loop with flight software (bridge/target)");
   command.callback([options, &exit_code] { exit_code = run_compile(*options); });
 }
 
