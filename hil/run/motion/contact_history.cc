@@ -12,9 +12,9 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// Shapes of the pairs that State::contacts has of a contact: those of the base, with each of them those of the
-// follower.
-std::vector<std::pair<int, int>> list_pairs(const Model& model, const Contact& contact) {
+}  // namespace
+
+std::vector<std::pair<int, int>> list_contact_pairs(const Model& model, const Contact& contact) {
   const std::vector<geometry::Shape>& base = model.surfaces[static_cast<std::size_t>(contact.base)].shapes;
   const std::vector<geometry::Shape>& follower = model.surfaces[static_cast<std::size_t>(contact.follower)].shapes;
   std::vector<std::pair<int, int>> pairs;
@@ -27,8 +27,6 @@ std::vector<std::pair<int, int>> list_pairs(const Model& model, const Contact& c
   return pairs;
 }
 
-}  // namespace
-
 ContactHistory::Scratch::Scratch(const Plan& plan)
     : block(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(block))) {}
 
@@ -40,7 +38,7 @@ ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simul
       previous_(simulation.plan()) {
   for (const Contact& contact : scenario.model.contacts) {
     tracks_.emplace_back().record.name = contact.name;
-    pairs_.push_back(list_pairs(scenario.model, contact));
+    pairs_.push_back(list_contact_pairs(scenario.model, contact));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/run/motion/extreme.h"
@@ -37,6 +38,10 @@ struct ContactRecord {
   std::vector<Touch> list;                       // the first kMostTouches
   static constexpr std::size_t kMostTouches = 1000;
 };
+
+// Shapes of the pairs that State::contacts has of a contact, as indices of its two surfaces: those of the base, with
+// each of them those of the follower.
+std::vector<std::pair<int, int>> list_contact_pairs(const Model& model, const Contact& contact);
 
 class ContactHistory {
  public:

@@ -39,6 +39,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
       sticking_(static_cast<std::size_t>(scenario.model.element_count())),
       touching_(scenario.model.contacts.size()),
+      jumping_(scenario.model.contacts.size()),
       impulses_(scenario.model.contacts.size()),
       denormal_(scenario.model.bodies.size()),
       restless_(scenario.model.channels.size()),
@@ -49,6 +50,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       skipped_(scenario.model.tables.size()),
       beside_(scenario.model.one_sided.size()),
       cells_(scenario.model),
+      jumps_(simulation),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -104,6 +106,7 @@ void NoticeWatch::update(const StepReport& report) {
   watch_guides();
   watch_profiles();
   watch_contacts();
+  watch_jumps();
   watch_friction(!begun_ || !report.events.empty());
   watch_commands();
   watch_loops(report);
@@ -297,6 +300,25 @@ void NoticeWatch::watch_contacts() {
     report(
         touching_[i], "contact", contact.name, size, [&] { return hil::describe_unresolved(rates, dt_, parts); },
         list_contact_bodies(scenario_.model, static_cast<int>(i)));
+  }
+}
+
+void NoticeWatch::watch_jumps() {
+  for (const ContactJumpSum& jump : jumps_.update()) {
+    const double part = jump.calc_part();
+    if (!(part > kJumpNotice)) continue;
+    const Contact& contact = scenario_.model.contacts[at(jump.contact)];
+    report(
+        jumping_[at(jump.contact)], "jump", contact.name, part,
+        [&] {
+          return format(
+              "its point jumps along a face or a straight line, up to %.3g m from one tick to the next, %d times, and "
+              "%.2g of the rotation depends on which end bears the force; give the body feet, spheres at the corners "
+              "or "
+              "ends, each a shape of its surface",
+              jump.way, jump.count, part);
+        },
+        part > kJumpFailure ? list_contact_bodies(scenario_.model, jump.contact) : std::vector<int>{});
   }
 }
 

@@ -9,6 +9,9 @@
 //   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
 //              dt / tau beyond kAccurate
 //   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
+//   jump*      the point of contact of a face or a straight line jumps from end to end, and more than kJumpNotice of
+//   the
+//              bodies' rotation depends on which end bears the force; beyond kJumpFailure they are unresolved
 //   friction*  dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate
 //   mode*      dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that reverses faster than dt·ω = kAccurate: a control loop for which the delay of a
@@ -36,6 +39,7 @@
 
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
+#include "hil/run/notices/contact_jumps.h"
 #include "hil/run/notices/energy_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/run/notices/unresolved_bodies.h"
@@ -52,6 +56,7 @@ struct RunNotice {
 };
 
 inline constexpr double kCoincident = 1e-9;  // m: below it the direction between two points is rounding
+inline constexpr double kJumpNotice = 1e-4, kJumpFailure = 1e-2;  // parts of the rotation: ContactJumpSum::calc_part()
 inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // relative to EnergyBalance::scale
 
 class NoticeWatch {
@@ -98,6 +103,7 @@ class NoticeWatch {
   void watch_cells(const StepReport& step);
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
+  void watch_jumps();
   void watch_friction(bool modes_are_new);
   void watch_commands();
   void watch_loops(const StepReport& report);
@@ -114,7 +120,7 @@ class NoticeWatch {
   UnresolvedBodies unresolved_;
   std::vector<Slot> turning_;                      // of bodies
   std::vector<Slot> stiff_, sticking_;             // of elements
-  std::vector<Slot> touching_;                     // of contacts
+  std::vector<Slot> touching_, jumping_;           // of contacts
   std::vector<double> impulses_;                   // of contacts at the latest tick, N s
   std::vector<bool> denormal_, restless_;          // reported bodies, channels
   std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
@@ -124,6 +130,7 @@ class NoticeWatch {
   std::vector<Slot> passed_;                       // of events
   std::vector<ProfileWatch> profiles_;             // of loads
   CellWatch cells_;
+  ContactJumps jumps_;
   std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;
   bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false;  // reported searches for events

@@ -219,5 +219,57 @@ TEST(Contacts, EventsWaitForContactsAndClearances) {
   EXPECT_NEAR(run.simulation->state().bodies[1].v.x, -3, 1e-9) << "switched off at once, it pushes no more";
 }
 
+// A box of 2 kg falls on the ground, a little tilted, and rocks; its surface is `shape`.
+std::string build_rocking(const std::string& shape) {
+  return R"(unlatch: 1
+name: rocking
+step: {dt: 1 ms, until: 0.5}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, half_space: {normal: [0, 0, 1]}}]}
+bodies:
+  box: {mass: 2, inertia: [0.01, 0.01, 0.01], position: [0, 0, 0.12], attitude: {rotate: [[x, 1 deg], [y, 2 deg]]}, shape: [)" +
+         shape + R"(]}
+contacts:
+  fall: {between: [ground.floor, box], stiffness: 20 kN/m, damping: 1 s/m}
+requirements:
+  - {id: turn, rate: box, at_most: 100}
+)";
+}
+
+TEST(Contacts, AFaceThatRocksOnItsEndsIsUnresolvedAndFeetAreNot) {
+  const AnalysedRun face(build_rocking("{box: {size: [0.2, 0.2, 0.2]}}"));
+  const hil::RunNotice* const notice = find_notice(face, "jump");
+  ASSERT_NE(notice, nullptr);
+  EXPECT_TRUE(notice->unresolved) << notice->text;
+  EXPECT_EQ(notice->subject, "fall");
+  EXPECT_FALSE(face.judge("turn").is_resolved());
+
+  std::string feet;
+  for (const char* const corner : {"[0.1, 0.1, -0.1]", "[-0.1, 0.1, -0.1]", "[-0.1, -0.1, -0.1]", "[0.1, -0.1, -0.1]"})
+    feet += std::string(feet.empty() ? "" : ", ") + "{sphere: {radius: 1 mm, centre: " + corner + "}}";
+  const AnalysedRun standing(build_rocking(feet));
+  EXPECT_EQ(find_notice(standing, "jump"), nullptr);
+  EXPECT_TRUE(standing.judge("turn").is_resolved());
+}
+
+TEST(Contacts, RoundShapesThatRollHaveNoJumps) {
+  for (const char* const shape : {"{capsule: {from: [0, 0, -0.05], to: [0, 0, 0.05], radius: 0.1}}",
+                                  "{cylinder: {from: [-0.1, 0, 0], to: [0.1, 0, 0], radius: 0.05}}"}) {
+    const AnalysedRun run(std::string(R"(unlatch: 1
+name: rolling
+step: {dt: 1 ms, until: 0.5}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, half_space: {normal: [0, 0, 1]}}]}
+bodies:
+  roll: {mass: 2, inertia: [0.01, 0.01, 0.01], position: [0, 0, 0.2], velocity: [0, 1, 0], rate: [5, 0, 0], shape: [)") +
+                          shape + R"(]}
+contacts:
+  fall: {between: [ground.floor, roll], stiffness: 20 kN/m, damping: 1 s/m, friction: 0.3}
+)");
+    EXPECT_GT(run.analysis.list_contacts()[0].totals.impulse, 0) << shape;
+    EXPECT_EQ(find_notice(run, "jump"), nullptr) << shape;
+  }
+}
+
 }  // namespace
 }  // namespace unlatch::test
