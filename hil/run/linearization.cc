@@ -13,6 +13,7 @@
 #include "hil/scenario/base/index.h"
 #include "hil/scenario/text/number_text.h"
 #include "hil/scenario/text/suggestion.h"
+#include "unlatch/contacts.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch::hil {
@@ -141,8 +142,25 @@ LinearSystem linearize(const Scenario& scenario, const LinearRequest& request) {
   return linearize(scenario, *simulation, request);
 }
 
+namespace {
+
+// A closed rigid contact is no spring: small motions into it do not exist, and those away from it open it.
+void refuse_rigid_contacts(const Model& model, const Simulation& simulation) {
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    if (!model.contacts[i].rigid) continue;
+    for (const ContactState& pair : get_contact_pairs(simulation.plan(), simulation.state(), static_cast<int>(i)))
+      if (pair.closed != 0)
+        throw LinearizationError("the rigid contact '" + model.contacts[i].name +
+                                 "' is closed at t = " + write_short(simulation.get_time()) +
+                                 " s: a linear model has no force on one side; give it a stiffness, or switch it off");
+  }
+}
+
+}  // namespace
+
 LinearSystem linearize(const Scenario& scenario, const Simulation& simulation, const LinearRequest& request) {
   const Model& model = scenario.model;
+  refuse_rigid_contacts(model, simulation);
   const std::vector<Value> values = list_values(scenario);
   std::vector<LinearName> channels, names;
   for (const Channel& channel : model.channels) channels.push_back({channel.name, channel.unit});

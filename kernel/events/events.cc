@@ -5,10 +5,12 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/dynamics/energy.h"
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/elements/kinds/load.h"
 #include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/events/guards.h"
 #include "kernel/events/impulses.h"
+#include "kernel/events/rigid_pairs.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
@@ -37,14 +39,14 @@ bool is_any_due(const PlanData& plan, double now, const State& state, const Eval
   return false;
 }
 
-// Closes and opens the pairs of shapes that are due; returns their number. The present distance, which the search
-// leaves next to zero, must be on the right side of the one at which the pair changes back.
+// Closes and opens the pairs of shapes of compliant contacts that are due; returns their number. The present distance,
+// which the search leaves next to zero, must be on the right side of the one at which the pair changes back.
 int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, std::span<const double> tolerances) {
   constexpr double kApart = 1e-12;  // m
   int count = 0;
   const std::span<const double> guards = get_pair_guards(plan, ev.guards), below = get_pair_guards(plan, tolerances);
   for (std::size_t i = 0; i < state.contacts.size(); ++i) {
-    if (!(guards[i] >= -below[i])) continue;
+    if (!(guards[i] >= -below[i]) || plan.contacts[at(plan.contact_pairs[i].contact)].rigid) continue;
     ContactState& pair = state.contacts[i];
     if (pair.closed != 0)
       pair = {0, std::min(0.0, (pair.edge + guards[i]) - kApart)};
@@ -96,15 +98,17 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
   return 0;
 }
 
-// One round: closes and opens pairs of shapes, marks the events that are due, then executes them. Returns their number.
-// `added`: the number of rows that their actions add.
+// One round: closes and opens pairs of shapes, marks the events that are due, then executes them. Returns their number,
+// or kFailedTouch. `added`: the number of rows that their actions add.
 int act_once(Run& run, double now, std::span<const double> tolerances, RowSet& added) {
   const PlanData& plan = run.plan;
   State& state = run.state();
   const Evaluation& ev = run.ev();
   EventSearch& search = run.search();
   EventRecord& events = run.events();
-  const int changes = change_pairs(plan, state, ev, tolerances);
+  const int rigid = change_rigid_pairs(run, now, tolerances);
+  if (rigid == kFailedTouch) return kFailedTouch;
+  const int changes = change_pairs(plan, state, ev, tolerances) + rigid;
   events.change_count += changes;
   int count = changes;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
@@ -154,6 +158,9 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   return true;
 }
 
+// Rounds at one instant for each pair of a rigid contact.
+constexpr std::size_t kRigidRounds = 8;
+
 // All rounds at one instant at which something is due. Out of line: at most instants nothing is.
 [[gnu::noinline]] StepStatus act_in_rounds(Run& run, double now, std::span<const double> tolerances) {
   const PlanData& plan = run.plan;
@@ -162,16 +169,25 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   EventRecord& events = run.events();
   // An event acts or becomes pending at most once. A pair of shapes changes at most twice: by itself, and because its
   // contact was switched. So there are at most twice as many rounds as events and pairs.
-  for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
-    if (round > 0 && !is_any_due(plan, now, state, ev, tolerances)) return StepStatus::kOk;
+  // Rigid contacts may take several pivots each.
+  begin_rigid_pairs(run);
+  for (std::size_t round = 0; round <= 2 * ev.guards.size() + kRigidRounds * at(plan.rigid_pairs); ++round) {
+    if (round > 0 && !is_any_due(plan, now, state, ev, tolerances) && !wants_rigid_pair(run)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
     RowSet added = 0;
-    if (act_once(run, now, tolerances, added) == 0) return StepStatus::kOk;
+    const int count = act_once(run, now, tolerances, added);
+    if (count == 0) return StepStatus::kOk;
+    if (count == kFailedTouch) return StepStatus::kRigidContact;
     load_modes(plan, state, ev);
     Balance allowed{{0, 0, 0}, {0, 0, 0}, 0};
     const bool struck = has_impulses(plan, run.search().acting);
-    if ((added != 0 || struck) && !strike(run, struck, allowed)) return StepStatus::kSingular;
+    const bool jumped = added != 0 || struck;
+    if (jumped && !strike(run, struck, allowed)) return StepStatus::kSingular;
+    const bool blow = has_rigid_impulse(run, jumped);
+    if (blow) {
+      if (run.node = strike_rigid_pairs(run, now, allowed); run.node != kNone) return StepStatus::kSingular;
+    }
     const Balance jump = difference(calc_balance(plan, state, ev), before);
     const Instant instant = run.get_instant(now);
     if (run.node = evaluate(instant, Changed::kModes, ev); run.node != kNone) return StepStatus::kSingular;
@@ -180,8 +196,10 @@ bool strike(Run& run, bool struck, Balance& allowed) {
           now, before, jump, allowed, flow_before, calc_energy_flow(plan, state, now, ev, {0, 0, 0})};
     tolerances = run.data.exact;
     update_guards(instant, ev, run.search().stack);
+    store_rigid_forces(plan, ev, run.state());
+    if (blow) rearm(plan, run.state(), ev);  // a bounce has a touch and a lift at one instant
   }
-  return StepStatus::kTooManyEvents;
+  return ev.rigid.failed == kNone ? StepStatus::kTooManyEvents : StepStatus::kRigidContact;
 }
 
 // A repeating event is armed once its guard is negative. Of the two events that engage and disengage a one-sided force,

@@ -108,7 +108,9 @@ void update_pair_guards(const Instant& now, Evaluation& ev) {
     const ContactState& pair = now.state.contacts[i];
     const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;
     const bool off = calc_scale(now.state.elements[at(element)], now.t) == 0;
-    if (pair.closed != 0)
+    if (pair.closed != 0 && now.plan.contacts[at(now.plan.contact_pairs[i].contact)].rigid)
+      guards[i] = off || pair.closed != 1 ? kYes : -ev.pair_forces[i] - std::numeric_limits<double>::min();
+    else if (pair.closed != 0)
       guards[i] = off ? kYes : ev.pair_distances[i] - pair.edge;
     else
       guards[i] = off ? kNo : pair.edge - ev.pair_distances[i];

@@ -183,4 +183,28 @@ Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeVie
   return mirror(calc_ordered(b, at_b, a, at_a));
 }
 
+SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at_sphere, const ShapeView& other,
+                                    const Placement& at_other) noexcept {
+  SphereDistance out;
+  out.centre = at_sphere.p_WB + at_sphere.R_WB * sphere.numbers.p_BS;
+  const Vec3 origin = at_other.p_WB, x = out.centre - origin;
+  if (other.numbers.kind == ShapeKind::kHalfSpace) {
+    const ShapeNumbers& space = other.numbers;
+    out.normal = (at_other.R_WB * space.R_BS).z;
+    out.distance = dot(out.normal, x - at_other.R_WB * space.p_BS) - sphere.numbers.r0;
+    return out;
+  }
+  const Rounded solid = build_core(other, place(other.numbers, at_other, origin));
+  const Projection nearest = calc_projection(solid.core, x);
+  const Vec3 away = x - nearest.p;
+  const double D = norm(away);
+  out.outside = !nearest.inside && D > 0;
+  if (!out.outside) return out;
+  out.normal = (1 / D) * away;
+  out.bend = 1 / D;
+  out.kept = nearest.J;
+  out.distance = D - solid.radius - sphere.numbers.r0;
+  return out;
+}
+
 }  // namespace unlatch::geometry

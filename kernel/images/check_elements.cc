@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/images/plan_check.h"
 #include "unlatch/contacts.h"
 
@@ -104,6 +105,7 @@ void PlanCheck::check_shapes() {
   constexpr std::int64_t kTotals = sizeof(ContactTotals) / sizeof(double);
   for (const PlanContact& own : plan_.contacts) {
     require_flag(own.hertzian);
+    require_flag(own.rigid);
     require_index(own.base, plan_.shapes.size());
     require_index(own.follower, plan_.shapes.size());
     require_element(own.element);
@@ -118,10 +120,29 @@ void PlanCheck::check_shapes() {
     require_index(own.base_shape, at(plan_.shapes[at(contact.base)].count));
     require_index(own.follower_shape, at(plan_.shapes[at(contact.follower)].count));
   }
+  check_rigid_contacts();
   // The pairs of each contact are its own.
   for (std::size_t c = 0; c < plan_.contacts.size() && good_; ++c)
     for (std::int32_t i = 0; i < plan_.contacts[c].pairs; ++i)
       require(plan_.contact_pairs[at(plan_.contacts[c].first_pair + i)].contact == static_cast<std::int32_t>(c));
+}
+
+// One shape of a pair is a sphere and the other convex or a half-space, and there is room for the rows of all.
+void PlanCheck::check_rigid_contacts() {
+  std::int64_t pairs = 0;
+  for (const ContactPair& own : plan_.contact_pairs) {
+    if (!good_ || !plan_.contacts[at(own.contact)].rigid) continue;
+    const PlanContact& contact = plan_.contacts[at(own.contact)];
+    const auto get_kind = [&](std::int32_t shapes, std::int32_t shape) {
+      return plan_.shape_parts[at(plan_.shapes[at(shapes)].first + shape)].kind;
+    };
+    const geometry::ShapeKind base = get_kind(contact.base, own.base_shape),
+                              follower = get_kind(contact.follower, own.follower_shape);
+    require((base == geometry::ShapeKind::kSphere && geometry::has_sphere_distance(follower)) ||
+            (follower == geometry::ShapeKind::kSphere && geometry::has_sphere_distance(base)));
+    ++pairs;
+  }
+  require(plan_.rigid_pairs == pairs && pairs <= kMostRigidPairs);
 }
 
 void PlanCheck::check_one_sided() {

@@ -56,6 +56,7 @@ class PlanCheck {
   void check_loads();
   void check_springs();
   void check_shapes();
+  void check_rigid_contacts();
   void check_one_sided();
   void check_air();
   // --- check_laws.cc

@@ -10,6 +10,7 @@
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/elements/kinds/load.h"
 #include "kernel/integration/load_state.h"
+#include "kernel/integration/rigid_rows.h"
 #include "kernel/joints/coordinates.h"
 #include "kernel/joints/residuals.h"
 #include "kernel/laws/laws.h"
@@ -49,10 +50,15 @@ void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& 
   update_law_loads(now, update_driving_laws(now, ev), ev.load_sizes);
 }
 
+// Rigid contacts on top of the latest solution. Systems without any pass by.
+int add_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep, RigidSet rows, Evaluation& ev) {
+  return has_rigid_rows(now.plan) ? solve_rigid_rows(now, target, sweep, rows, ev) : kNone;
+}
+
 // Forces at the present kinematics, joint frames, coordinates and loads, and the accelerations that `solve(sweep)`
 // finds for them. Where a joint has friction, this is repeated with the friction of the latest reactions.
 template <class Solve>
-int solve_forces(const Instant& now, Sweep sweep, Evaluation& ev, const Solve& solve) {
+int solve_forces(const Instant& now, Sweep sweep, RigidSet rigid, Evaluation& ev, const Solve& solve) {
   const PlanData& plan = now.plan;
   if (!plan.laws.empty()) update_loads_by_laws(now, ev);
   const bool friction = !plan.frictions.empty() && has_friction(now);
@@ -60,11 +66,13 @@ int solve_forces(const Instant& now, Sweep sweep, Evaluation& ev, const Solve& s
   update_forces(now, ev);
   sweep.multipliers = sweep.multipliers || friction;
   if (const int node = solve(sweep); node != kNone) return node;
+  if (const int node = add_rigid_rows(now, RigidTarget::kAcceleration, sweep, rigid, ev); node != kNone) return node;
   if (sweep.multipliers) split_redundant_rows(plan, now.state, ev);
   for (int i = 0; friction && i < kFrictionSweeps; ++i) {
     update_friction(now, ev);
     update_forces(now, ev);
     get_kernels(plan).solve(plan, ev, sweep);
+    (void)add_rigid_rows(now, RigidTarget::kAcceleration, sweep, rigid, ev);  // which has not failed before
     split_redundant_rows(plan, now.state, ev);
   }
   if (!plan.rigid) update_modal_rates(plan, ev);
@@ -72,9 +80,10 @@ int solve_forces(const Instant& now, Sweep sweep, Evaluation& ev, const Solve& s
 }
 
 // Accelerations at the present kinematics, joint frames and loads.
-int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
+int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, RigidSet rigid,
+                   Evaluation& ev) {
   update_coordinates(now.plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
-  return solve_forces(now, sweep, ev, [&](const Sweep& own) {
+  return solve_forces(now, sweep, rigid, ev, [&](const Sweep& own) {
     return get_kernels(now.plan).factor_and_solve(now.plan, now.state, ev, own, independent_rows);
   });
 }
@@ -87,7 +96,8 @@ int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, E
   complete_kinematics(now.plan, now.t, now.t > start.t ? KnotSide::kBefore : KnotSide::kAfter, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
   update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
-  return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows, ev);
+  return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows,
+                        start.rigid_rows, ev);
 }
 
 // The end of a sub-step, on its rows: one position and one velocity projection, with one factorisation.
@@ -98,6 +108,9 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   update_joints(plan, end.state, RowTarget::kPosition, ev);
   const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
   if (node != kNone) return node;
+  if (const int failed = add_rigid_rows(end, RigidTarget::kPosition, kCorrection, start.rigid_rows, ev);
+      failed != kNone)
+    return failed;
   kernels.add_displacements(plan, ev);
   if (!plan.rigid) add_modal_displacements(plan, ev);
 
@@ -106,6 +119,9 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   if (!plan.rigid) update_kinematics(plan, ev);
   update_joints(plan, end.state, RowTarget::kVelocity, ev);
   kernels.solve(plan, ev, kCorrection);
+  if (const int failed = add_rigid_rows(end, RigidTarget::kVelocity, kCorrection, start.rigid_rows, ev);
+      failed != kNone)
+    return failed;
   kernels.add_velocities(plan, ev);
   if (plan.rigid) return kNone;
   add_modal_velocities(plan, ev);
@@ -156,12 +172,12 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
 // Only forces have changed: the factor is used again.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
-  (void)solve_forces(now, {}, ev, [&](const Sweep& own) {
+  const int node = solve_forces(now, {}, kAllRigidRows, ev, [&](const Sweep& own) {
     get_kernels(now.plan).solve(now.plan, ev, own);
     return kNone;
   });
   if (!now.plan.laws.empty()) update_other_laws(now, ev);
-  return kNone;
+  return node;
 }
 
 }  // namespace
@@ -217,7 +233,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
       update_loads(now, ev);
       update_joints(plan, now.state, RowTarget::kAcceleration, ev);
   }
-  const int node = solve_dynamics(now, {}, kAllRows, ev);
+  const int node = solve_dynamics(now, {}, kAllRows, kAllRigidRows, ev);
   if (!plan.laws.empty() && node == kNone) update_other_laws(now, ev);
   return node;
 }
@@ -226,7 +242,7 @@ SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexc
   get_kernels(plan).begin_substep(plan, ev);
   keep_cluster_rows(ev);
   std::copy_n(ev.branches.begin(), ev.branches.size(), ev.branches_at_start.begin());
-  return {t, ev.loop_count - ev.loop_redundant};
+  return {t, ev.loop_count - ev.loop_redundant, get_independent_rigid_rows(ev)};
 }
 
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept {

@@ -2,7 +2,7 @@
 // (kernel/elements/compliance.h), on positions, quaternions and velocities; then one mass-weighted projection onto the
 // rows' positions and one onto their velocities, both with one factorisation. And the evaluations between sub-steps.
 //
-// Functions that return an int return kNone, or the node whose pivot vanished.
+// Functions that return an int return kNone, the node whose pivot vanished, or kRigidFailure (rigid_rows.h).
 #pragma once
 
 #include "kernel/elements/instant.h"
@@ -34,6 +34,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept;
 struct SubstepStart {
   double t;                       // s
   std::int32_t independent_rows;  // of the loops: no stage takes more for independent
+  std::uint64_t rigid_rows;       // of closed rigid contacts: the RigidSet that was independent
 };
 // The instant that the evaluation is of becomes the beginning of the next sub-steps.
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernel/integration/rigid_rows.h"
+
 namespace unlatch {
 namespace {
 
@@ -26,6 +28,7 @@ bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
 }  // namespace
 
 StepStatus get_pivot_status(const PlanData& plan, const Evaluation& ev, int node) noexcept {
+  if (node == kRigidFailure) return StepStatus::kRigidContact;
   return has_finite_block(plan, ev, node) ? StepStatus::kSingular : StepStatus::kNotFinite;
 }
 

@@ -8,7 +8,8 @@
 
 namespace unlatch {
 
-// Status of a factorisation that stopped at a node: the motion has blown up, or its geometry is singular.
+// Status of an evaluation that stopped at a node, or with kRigidFailure: the motion has blown up, its geometry is
+// singular, or a rigid contact failed.
 StepStatus get_pivot_status(const PlanData& plan, const Evaluation& ev, int node) noexcept;
 
 struct Run {

@@ -41,6 +41,18 @@ void lay_out_split(const PlanData& plan, Arena& arena, SplitScratch& split) {
   arena.take(split.ring_columns, plan.ring_joints.size());
 }
 
+void lay_out_rigid(const PlanData& plan, Arena& arena, Evaluation& ev) {
+  const std::size_t n = static_cast<std::size_t>(plan.rigid_pairs), any = n > 0 ? 1 : 0;
+  arena.take(ev.pair_forces, any * plan.contact_pairs.size());
+  RigidScratch& rigid = ev.rigid;
+  arena.take(rigid.rows, n);
+  for (std::span<double>* matrix : {&rigid.matrix, &rigid.factor, &rigid.gram}) arena.take(*matrix, n * n);
+  for (std::span<double>* numbers : {&rigid.loads, &rigid.forces, &rigid.middle, &rigid.pivots})
+    arena.take(*numbers, n);
+  arena.take(rigid.independent, n);
+  arena.take(rigid.body_forces, any * plan.bodies.size());
+}
+
 void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.blocks, static_cast<std::size_t>(plan.block_numbers));
   arena.take(ev.modes, plan.groups.size());
@@ -85,6 +97,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   lay_out_split(plan, arena, ev.split);
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
   arena.take(ev.closed_pairs, plan.contact_pairs.size());
+  lay_out_rigid(plan, arena, ev);
   arena.take(ev.guards, plan.events.size() + plan.contact_pairs.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
   arena.take(ev.quantities, static_cast<std::size_t>(plan.quantity_count));
@@ -102,6 +115,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
   arena.take(search.places_low, plan.laws.corners.empty() ? 0 : static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
+  arena.take(search.rigid, plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0);
   // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.
   const std::size_t instants = static_cast<std::size_t>(plan.options.max_splits) + 2;
   arena.take(data.events.fired, events * instants);

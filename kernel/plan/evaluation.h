@@ -116,6 +116,29 @@ struct ClosedPair {
   double depth, rate;  // m; its rate, m/s
 };
 
+// The row of a pair of a rigid contact that is closed, see kernel/elements/kinds/contact/rigid_row.h.
+struct RigidRow {
+  std::int32_t pair;             // into PlanData::contact_pairs
+  std::int32_t base, follower;   // bodies
+  Spatial on_base, on_follower;  // unit wrenches that part them, at the bodies' origins
+  double gap, rate, bias;        // m; m/s; m/s²: of the gap's second derivative, what velocities alone decide
+  double free;                   // mobility of the two bodies along the row, held by nothing, 1/kg
+};
+
+// Scratch of kernel/integration/rigid_rows.cc. n: PlanData::rigid_pairs.
+struct RigidScratch {
+  std::span<RigidRow> rows;  // n, of which the first `count` hold
+  std::int32_t count = 0;
+  std::int32_t failed = kNone;          // the contact that failed, into PlanData::contacts
+  std::span<double> matrix;             // W H⁻¹ Wᵀ, n rows of n
+  std::span<double> factor;             // n rows of n
+  std::span<double> gram;               // n rows of n
+  std::span<double> loads, forces;      // n: what each row still lacks; its force or impulse
+  std::span<double> middle, pivots;     // n
+  std::span<std::int32_t> independent;  // n
+  std::span<Spatial> body_forces;       // per body: its SharedBlock::force without the rows' forces
+};
+
 // Scratch of kernel/solver/loops/redundant_rows.cc. k: rows of loops, t: of the tree's joints in loops.
 struct SplitScratch {
   std::span<double> relation;            // k rows of k + t numbers
@@ -190,6 +213,10 @@ struct Evaluation {
   // computed by update_forces() for closed pairs, by update_open_pairs() for open ones
   std::span<double> pair_distances, pair_rates;  // of those that are on, m; m/s, of open ones alone, 0 far apart
 
+  // computed by solve_rigid_rows(), with the accelerations; per pair of shapes, if there are rigid contacts
+  std::span<double> pair_forces;  // of closed pairs of rigid contacts, N
+  RigidScratch rigid;
+
   // computed by the solver's forward pass
   MultiplierView multipliers;
 
@@ -256,6 +283,8 @@ struct EventSearch {
   std::int32_t corners;                       // of laws at which this step has been split
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // of values, for the evaluation of one guard
+  std::span<std::int64_t> rigid;              // per pair of shapes, if there are rigid contacts: what it did at this
+                                              // instant, see kernel/events/rigid_pairs.h
 };
 
 // Events that acted in a step. StepReport has views of them, which hold until the next step.

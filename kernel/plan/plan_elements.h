@@ -87,6 +87,8 @@ struct PlanContact {
   std::int32_t auxiliary;                // into State::auxiliary: ContactTotals
   bool hertzian;                         // n = 1.5, otherwise 1
   double stiffness, damping, friction, slip_speed;
+  bool rigid = false;  // see kernel/elements/kinds/contact/rigid_row.h: of the numbers above none counts
+  double restitution = 0, settle = 0;  // of a rigid one; s
 };
 struct ContactPair {
   std::int32_t contact, base_shape, follower_shape;  // into PlanData::contacts; into the groups' shapes

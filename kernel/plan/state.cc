@@ -27,6 +27,7 @@ std::size_t lay_out(const PlanData& plan, std::byte* memory, State& state) noexc
   take(state.contacts, plan.contact_pairs.size());
   take(state.engaged, plan.one_sided.size());
   take(state.bearings, plan.drums.size());
+  take(state.rigid_forces, plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0);
   return used;
 }
 
@@ -80,6 +81,7 @@ void init_state(const Plan& owner, State& state) noexcept {
   std::copy(plan.initial_auxiliary.begin(), plan.initial_auxiliary.end(), state.auxiliary.begin());
   for (std::size_t i = 0; i < plan.contact_pairs.size(); ++i)
     state.contacts[i] = {plan.contact_pairs[i].closed ? 1 : 0, 0};
+  for (double& force : state.rigid_forces) force = 0;
 }
 
 std::span<const double> get_modal_coordinates(const Plan& owner, const State& state, int body) noexcept {

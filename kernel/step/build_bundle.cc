@@ -14,7 +14,7 @@ void free_memory(std::byte* memory) { ::operator delete(memory, kAlignment); }
 
 bool is_fit(const Model& model, const Plan& plan) {
   const PlanData& data = get_data(plan);
-  return data.loops.empty() && data.non_tree_joints.empty() && data.flexible.empty() &&
+  return data.loops.empty() && data.non_tree_joints.empty() && data.flexible.empty() && data.rigid_pairs == 0 &&
          model.contact_substeps == data.contact_substeps;
 }
 

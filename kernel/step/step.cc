@@ -15,6 +15,7 @@
 #include <cstring>
 
 #include "kernel/elements/kinds/contact/contact_parts.h"
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
@@ -29,6 +30,7 @@ namespace {
 // Accepts the latest try: its motion becomes that of the state.
 void accept(Run& run) {
   store_substep(run.plan, run.ev(), run.state());
+  store_rigid_forces(run.plan, run.ev(), run.state());
   rearm(run.plan, run.state(), run.ev());
 }
 
@@ -146,6 +148,7 @@ bool check_tables(Run& run) {
 StepReport finish(const Run& run) {
   StepReport report = run.report;
   if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[at(run.node)].joint;
+  if (report.status == StepStatus::kRigidContact) report.contact = run.data.kept.evaluation.rigid.failed;
   report.events = run.events().fired.first(at(run.events().fired_count));
   report.audits = run.events().audits.first(at(run.events().audit_count));
   return report;
@@ -193,7 +196,7 @@ StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& 
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
   const Instant now{plan, inputs, state, plan.get_time(state.header->tick)};
-  if (evaluate(now, changed, ev) != kNone) return StepStatus::kSingular;
+  if (const int node = evaluate(now, changed, ev); node != kNone) return get_pivot_status(plan, ev, node);
   update_guards(now, ev, get_data(workspace).search.stack);
   update_readings(now, ev);
   copy(state, kept.state);
@@ -213,6 +216,8 @@ const char* get_status_text(StepStatus status) noexcept {
       return "too many events at one instant";
     case StepStatus::kOutsideTable:
       return "a table was left";
+    case StepStatus::kRigidContact:
+      return "rigid contacts cannot be held";
   }
   return "unknown";
 }

@@ -65,6 +65,7 @@ class ScenarioDraw:
         self.add_elements()
         self.add_sensors()
         self.add_events()
+        self.add_rigid()
         if scenario["sensors"] and draw.random() < 0.3:
             scenario["timing"] = {"groups": {"slow": {"every": draw.randint(2, 5), "sensors": [draw.choice(list(scenario["sensors"]))]}}}
         return scenario
@@ -110,6 +111,23 @@ class ScenarioDraw:
             self.scenario["step"]["contact_substeps"] = draw.choice((1, 2, 8))
         if pairs and draw.random() < 0.5:
             self.watched = self.scenario["clearance"] = draw.sample(pairs, min(len(pairs), 2))
+
+    def add_rigid(self):
+        """Away from all others, a stool that is pressed on a table: it bounces, slides, tips and falls off. In every second scenario."""
+        draw = random.Random(f"{self.scenario['name']} rigid")
+        if draw.random() < 0.5:
+            return
+        bodies, mass = self.scenario["bodies"], round(draw.uniform(0.5, 5), 3)
+        table = [{"box": {"size": [1.2, 1.2, 0.4]}}, {"cylinder": {"from": [0.3, 0, 0.1], "to": [0.3, 0, 0.3], "radius": 0.2}},
+                 {"capsule": {"from": [-0.5, -0.3, 0.2], "to": [-0.2, 0.5, 0.2], "radius": 0.1}}]
+        feet = [{"sphere": {"centre": [x, y, -0.2], "radius": 0.05}} for x, y in ((0.2, 0.15), (-0.2, 0.15), (0.2, -0.15), (-0.2, -0.15))]
+        bodies["table"] = {"mass": 40, "inertia": [5, 5, 9], "position": [60, 0, 0], "rate": draw_vector(draw, 0.3), "shape": table[:draw.randint(1, 3)]}
+        bodies["stool"] = {"mass": mass, "inertia": [round(mass * j, 4) for j in (0.02, 0.025, 0.03)], "position": [60, 0, 0.6],
+                           "velocity": draw_vector(draw, 0.5)[:2] + [-1], "rate": draw_vector(draw, 1), "shape": feet}
+        self.scenario["contacts"]["rigid"] = {"between": ["table", "stool"], "rigid": True, "restitution": draw.choice((0, 0.3, 0.8, 1)),
+                                              **draw.choice(({}, {"settle": 0.002}))}
+        self.scenario["elements"]["press"] = {"type": "force", "body": "stool", "frame": "world", "direction": [0, 0, -1],
+                                              "profile": draw_profile(draw, 10 * mass)}
 
     def add_elements(self):
         draw, elements = self.draw, self.scenario.setdefault("elements", {})

@@ -64,6 +64,9 @@ void judge_contacts(const Model& model, const Simulation& simulation, double dt,
     const Contact& contact = model.contacts[i];
     const std::string where = quoted("contact", contact.name);
     const ContactReading reading = calc_contact(simulation.plan(), simulation.state(), static_cast<int>(i));
+    if (reading.closed && contact.rigid)
+      findings.push_back({"contact", where, format("bears %.4g N at the start: that is no touch", reading.normal)});
+    if (contact.rigid) continue;  // no step resolves it the better
     if (reading.closed)
       findings.push_back(
           {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});

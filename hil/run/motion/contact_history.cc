@@ -107,6 +107,7 @@ void ContactHistory::add_events(const MotionKnot& before, const MotionKnot& afte
         std::vector<std::string>& pairs = record.list.back().pairs;
         if (std::ranges::find(pairs, name) == pairs.end()) pairs.push_back(std::move(name));
       }
+    if (!was && !is) add_bounce(track, i, before, after);
     if (was == is) continue;
     record.closed = is;
     if (is) {
@@ -125,6 +126,26 @@ void ContactHistory::add_events(const MotionKnot& before, const MotionKnot& afte
       track.kept = false;
     }
   }
+}
+
+// A rigid contact that touched and left again at one instant, which its impulse shows.
+void ContactHistory::add_bounce(Track& track, std::size_t contact, const MotionKnot& before, const MotionKnot& after) {
+  if (!scenario_.model.contacts[contact].rigid) return;
+  const auto get_totals = [&](const MotionKnot& knot) {
+    return get_contact_totals(simulation_.plan(), knot.state, static_cast<int>(contact));
+  };
+  const double impulse = get_totals(after).impulse - get_totals(before).impulse;
+  if (!(impulse > 0)) return;
+  ContactRecord& record = track.record;
+  record.totals = get_totals(after);
+  ++record.touches;
+  if (!record.touch) record.touch = after.time;
+  record.lift = after.time;
+  if (!touches_ || record.list.size() >= ContactRecord::kMostTouches) return;
+  Touch& touch = record.list.emplace_back();
+  touch.time = after.time;
+  touch.lift = after.time;
+  touch.impulse = impulse;
 }
 
 ContactReading ContactHistory::calc(const State& state, int contact) const {

@@ -76,6 +76,7 @@ class ContactHistory {
   };
   void open_touch(Track& track, std::size_t contact, double time, const State& before, const State& state);
   void close_touch(Track& track, int contact, Touch& touch) const;
+  void add_bounce(Track& track, std::size_t contact, const MotionKnot& before, const MotionKnot& after);
   [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
   void finish(Track& track, int contact) const;
 

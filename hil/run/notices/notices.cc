@@ -287,6 +287,7 @@ void NoticeWatch::watch_contacts() {
   const int parts = get_most_contact_substeps(scenario_.model);
   for (std::size_t i = 0; i < touching_.size(); ++i) {
     const Contact& contact = scenario_.model.contacts[i];
+    if (contact.rigid) continue;  // no step resolves it the better
     const ContactReading reading = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
     if (!begun_ && reading.closed)
       add("contact", contact.name, format("it is closed at the start, %.3g m deep", reading.depth));

@@ -134,9 +134,10 @@ class NoticeWatch {
   ContactJumps jumps_;
   std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;
-  bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false;  // reported searches for events
-  std::int32_t redundant_ = 0;                                                      // rows of loops at the latest tick
-  bool nearly_redundant_ = false;                                                   // reported
+  bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false,
+       settled_ = false;           // reported searches for events
+  std::int32_t redundant_ = 0;     // rows of loops at the latest tick
+  bool nearly_redundant_ = false;  // reported
   bool drifted_ = false, begun_ = false;
   std::vector<std::byte> memory_;
   Workspace workspace_;  // workspace of frequencies

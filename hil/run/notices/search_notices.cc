@@ -26,6 +26,13 @@ void NoticeWatch::watch_search(const StepReport& report) {
                simulation_.plan().get_options().max_splits),
         list_all_bodies(scenario_.model));
   }
+  if (report.settled > 0 && !settled_) {
+    settled_ = true;
+    const Contact& contact = scenario_.model.contacts[at(report.settling)];
+    add("contact", contact.name,
+        format("its bounces ended, and those of other rigid contacts: the next flight would be shorter than %.3g s",
+               contact.settle.value_or(0.5 * dt_)));
+  }
   if (open.unlocated > 0 && !unlocated_) {
     unlocated_ = true;
     add("search", get_guard_name(scenario_.model, open.guard),

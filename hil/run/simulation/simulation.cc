@@ -7,6 +7,8 @@
 #include <new>
 #include <utility>
 
+#include "unlatch/contacts.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -65,6 +67,7 @@ std::span<const double> Simulation::begin() {
     throw SimulationError({{"model '" + model_.name + "'", "its accelerations at the initial state cannot be computed",
                             "look for joints that hold the same freedom twice"}});
   }
+  store_rigid_forces(plan_, workspace_, state_);
   return workspace_.sensors;
 }
 

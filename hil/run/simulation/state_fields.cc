@@ -23,6 +23,7 @@ constexpr const char* kAuxiliaryFields[] = {"value"};
 constexpr const char* kContactFields[] = {"closed", "edge"};
 constexpr const char* kEngagedFields[] = {"engaged"};
 constexpr const char* kBearingFields[] = {"bearing"};
+constexpr const char* kRigidFields[] = {"force"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -88,6 +89,8 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
                    [&](std::size_t i) { return quote("element", model.one_sided[i].name); }),
       make_section(state.bearings, kBearingFields, 0,
                    [names = list_wound_cords(model)](std::size_t i) { return quote("element", names[i]); }),
+      make_section(state.rigid_forces, kRigidFields, 0,
+                   [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in rigid contact"; }),
   };
 }
 

@@ -60,6 +60,7 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"scenario.contact.stiffness", "N/m", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.contact.hertz_stiffness", "", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.contact.damping", "s/m", 0.0, std::numeric_limits<double>::infinity(), false, false},
+    {"scenario.contact.settle", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.contact.friction", "", 0.0, std::numeric_limits<double>::infinity(), false, false},
     {"scenario.contact.slip_speed", "m/s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.restitution.coefficient", "", 0.0, 1.0, true, false},

@@ -64,22 +64,16 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
       mistakes_.add(between->mark, "two lines: capsules of the radius 0 never overlap, and do not touch",
                     "give one of them a radius, 1 mm say");
   }
-  const std::string law = map.only_one_of({"stiffness", "hertz_stiffness"}, "a stiffness");
+  const std::string law = map.only_one_of({"stiffness", "hertz_stiffness", "rigid"}, "a stiffness, or `rigid: true`");
   if (law == "stiffness") contact.stiffness = map.number(law, "N/m");
   if (law == "hertz_stiffness") {
     contact.stiffness = map.number(law, "");
     contact.exponent = 1.5;
   }
+  if (law == "rigid" && !(contact.rigid = map.boolean(law, true)))
+    mistakes_.add(node.mark, "contact '" + name + "' has `rigid: false` and no stiffness", "`stiffness` instead");
   contact.damping = map.number("damping", "s/m", 0.0);
-  if (const YamlNode* restitution = map.find("restitution")) {
-    YamlMap inner(*restitution, "restitution", mistakes_);
-    contact.restitution = inner.number("coefficient", "");
-    contact.speed = inner.number("speed", "m/s");
-    inner.finish();
-    if (const YamlNode* damping = map.find("damping"))
-      mistakes_.add(damping->mark, "a contact with a damping and a restitution",
-                    "one of them: each follows from the other");
-  }
+  read_restitution(map, contact);
   contact.friction = map.number("friction", "", 0.0);
   contact.slip_speed = map.number("slip_speed", "m/s", contact.slip_speed);
   contact.on = map.boolean("enabled", true);
@@ -89,6 +83,34 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
     pushing_.emplace_back(name, pairs[0]);
   }
   model_.contacts.push_back(std::move(contact));
+}
+
+// Of a rigid contact a number, of any other the ratio for a blow of one speed.
+void ScenarioReader::read_restitution(YamlMap& map, Contact& contact) {
+  const YamlNode* const settle = map.find("settle");
+  if (settle && contact.rigid) contact.settle = map.number("settle", "s");
+  if (settle && !contact.rigid)
+    mistakes_.add(settle->mark, "a contact with a stiffness has no `settle`",
+                  "leave it out: its bounces end by its law");
+  const YamlNode* const restitution = map.find("restitution");
+  if (restitution == nullptr) return;
+  if (contact.rigid && restitution->is_mapping())
+    return mistakes_.add(restitution->mark, "the restitution of a rigid contact is one number, for every speed",
+                         "`restitution: 0.5`");
+  if (contact.rigid) {
+    contact.restitution = map.number("restitution", "");
+    return;
+  }
+  if (!restitution->is_mapping())
+    return mistakes_.add(restitution->mark, "the restitution of a contact with a stiffness is that of one speed",
+                         "`restitution: {coefficient: 0.5, speed: 1 m/s}`");
+  YamlMap inner(*restitution, "restitution", mistakes_);
+  contact.restitution = inner.number("coefficient", "");
+  contact.speed = inner.number("speed", "m/s");
+  inner.finish();
+  if (const YamlNode* damping = map.find("damping"))
+    mistakes_.add(damping->mark, "a contact with a damping and a restitution",
+                  "one of them: each follows from the other");
 }
 
 // True if no pair of shapes has any thickness, so that none can overlap.

@@ -112,6 +112,7 @@ class ScenarioReader {
 
   // Contacts.
   void read_contact(const std::string& name, const YamlNode& node);
+  void read_restitution(YamlMap& map, Contact& contact);
   bool is_of_lines(const ClearancePair& pair) const;
   void report_shared_pairs(const ClearancePair& pair, const YamlNode& node);
   void add_touches();

@@ -7,6 +7,7 @@
 #include "unlatch/geometry.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
+#include "unlatch/workspace.h"
 
 namespace unlatch {
 
@@ -34,6 +35,10 @@ struct ContactReading {
 };
 // Reading of a contact (its number in the model) at the state's tick.
 ContactReading calc_contact(const Plan& plan, const State& state, int contact) noexcept;
+
+// Gives a state the forces of its rigid contacts, where the workspace has its outputs: after init_state() and
+// update_outputs(). Steps do that by themselves.
+void store_rigid_forces(const Plan& plan, const Workspace& workspace, State& state) noexcept;
 
 // Distance of two surfaces (their numbers in the model) at the state's poses, m: signed, with witnesses and normal.
 geometry::GroupDistance calc_shape_distance(const Plan& plan, const State& state, int a, int b) noexcept;

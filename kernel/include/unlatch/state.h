@@ -66,7 +66,7 @@ struct EventState {
 
 // Memory of one pair of shapes of a contact.
 struct ContactState {
-  std::int64_t closed;  // 1: from touch to lift
+  std::int64_t closed;  // 1: from touch to lift; within an instant 2: of a rigid contact, it bounces
   double edge;          // m, distance at which that changes next: 0, but for the rounding of the last change
 };
 
@@ -91,6 +91,8 @@ class State {
   std::span<ContactState> contacts;  // of each contact in the model's order, each pair of its shapes: those of the
                                      // base, with each of them those of the follower
   std::span<std::int64_t> engaged;   // one-sided forces, in the model's order: 1 while engaged, else 0
+  std::span<double> rigid_forces;    // per pair of shapes, none without rigid contacts: normal force of a rigid
+                                     // contact's closed pair at the end of the step, N; else 0
   std::span<double> bearings;        // of the ends of cords with drums, in the model's order: CordPath::bearing at the
                                      // start of the step, rad
 

@@ -22,6 +22,8 @@ enum class StepStatus : std::int32_t {
   kSingular,       // a pivot of the factorisation vanished; `joint` says where
   kTooManyEvents,  // more events at one instant than the plan's bound
   kOutsideTable,   // a table whose ends are errors was left; `table` says which
+  kRigidContact,   // rigid contacts have no common motion, or overlap where they are switched on; `contact` says
+                   // which
 };
 // The status in words.
 const char* get_status_text(StepStatus status) noexcept;
@@ -59,6 +61,9 @@ struct StepReport {
   std::int32_t joint = kNone;           // kSingular: index of the joint
   std::int32_t table = kNone;           // kOutsideTable: index of the table
   TableExit exit{};                     // likewise: the axis and the coordinate
+  std::int32_t contact = kNone;         // kRigidContact: index of the contact
+  std::int32_t settled = 0;             // bounces of rigid contacts whose flight would be shorter than Contact::settle
+  std::int32_t settling = kNone;        // index of the contact of the latest of these
   std::int32_t substeps = 0;            // integrations done, 1 without events
   std::int32_t redundant = 0;           // rows of closed loops that follow from the others, at the end of the step
   std::int32_t postponed = 0;           // instants left to the next tick because the bound on splits was reached

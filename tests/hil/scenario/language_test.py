@@ -266,6 +266,8 @@ class LanguageTest(unittest.TestCase):
             for key in ("set", "include"):  # with these, a missing key may come from elsewhere
                 document.pop(key)
             parent, key, what = get(document, path[:-1]), path[-1], rng.randrange(6)
+            if path[-2:-1] == ("bias",):  # how many numbers it has depends on the sensor's kind, which a schema does not see
+                continue
             if what == 0:
                 parent.pop(key)
             elif what == 1 and isinstance(parent, dict):

@@ -63,6 +63,23 @@ void write_totals(const ContactTotals& totals, std::span<double> auxiliary, cons
   std::copy(numbers.begin(), numbers.end(), auxiliary.begin() + contact.auxiliary);
 }
 
+}  // namespace
+
+void add_impulse_rate(const PlanContact& contact, double force, Evaluation& ev) noexcept {
+  ContactTotals rates = read_totals(ev.auxiliary.rate, contact);
+  rates.impulse += force;
+  write_totals(rates, ev.auxiliary.rate, contact);
+}
+
+void add_impulse(const PlanContact& contact, double impulse, double loss, Evaluation& ev) noexcept {
+  ContactTotals totals = read_totals(ev.auxiliary.now, contact);
+  totals.impulse += impulse;
+  totals.dissipated += loss;
+  write_totals(totals, ev.auxiliary.now, contact);
+}
+
+namespace {
+
 // Pairs whose bounds are within this part of their size are computed in any case: there an acceleration matters.
 constexpr double kNear = 1e-4;
 
@@ -160,6 +177,7 @@ double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, co
 }
 
 void ContactKind::add_forces(const Instant& now, const PlanContact& contact, double scale, Evaluation& ev) {
+  if (contact.rigid) return;
   const PlanData& plan = now.plan;
   const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
   const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
@@ -243,14 +261,19 @@ bool is_closed(const State& state, const PlanContact& contact) {
 }
 
 // `base`, `follower`: bodies of the surfaces at this instant.
+// `rigid_forces`: per pair, of rigid contacts.
 ContactReading read_contact(const PlanData& plan, const State& state, double scale, const PlanContact& own,
-                            const BodyFrame& base, const BodyFrame& follower) {
+                            const BodyFrame& base, const BodyFrame& follower, std::span<const double> rigid_forces) {
   ContactReading out;
   Vec3 point{0, 0, 0};
   for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
     if (state.contacts[i].closed == 0) continue;
     const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
-    const PairForce f = calc_pair_force(own, distance, base, follower, scale);
+    PairForce f = calc_pair_force(own, distance, base, follower, scale);
+    if (own.rigid) {
+      f.normal = rigid_forces[i];
+      f.force = f.normal * distance.normal;
+    }
     if (!out.closed) out.point = f.point;
     out.closed = true;
     out.depth = std::max(out.depth, f.depth);
@@ -275,7 +298,7 @@ ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contac
   const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
   if (scale == 0 || !is_closed(now.state, own)) return {};
   return read_contact(now.plan, now.state, scale, own, get_body_frame(ev, now.plan.shapes[at(own.base)].body),
-                      get_body_frame(ev, now.plan.shapes[at(own.follower)].body));
+                      get_body_frame(ev, now.plan.shapes[at(own.follower)].body), ev.pair_forces);
 }
 
 ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
@@ -284,7 +307,7 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
   const double scale = calc_scale(state.elements[at(own.element)], plan.get_time(state.header->tick));
   if (scale == 0 || !is_closed(state, own)) return {};
   return read_contact(plan, state, scale, own, calc_body_frame(state, plan.shapes[at(own.base)].body),
-                      calc_body_frame(state, plan.shapes[at(own.follower)].body));
+                      calc_body_frame(state, plan.shapes[at(own.follower)].body), state.rigid_forces);
 }
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {

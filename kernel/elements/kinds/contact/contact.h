@@ -42,6 +42,10 @@ struct MovingFrame {
 double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
                                const MovingFrame& follower, double rate, double step) noexcept;
 
+// Adds to the rate of a contact's impulse, N; to its impulse (N s) and loss (J) at one instant.
+void add_impulse_rate(const PlanContact& contact, double force, Evaluation& ev) noexcept;
+void add_impulse(const PlanContact& contact, double impulse, double loss, Evaluation& ev) noexcept;
+
 // k δⁿ⁺¹/(n + 1) at scale 1, J.
 double calc_stored(const PlanContact& contact, double depth) noexcept;
 
@@ -71,6 +75,7 @@ struct ContactKind {
   static void list_numbers(const Contact& c, const auto& add) {
     add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
         c.except);
+    if (c.rigid) add(c.rigid, c.settle);
   }
   static void shift(Contact& c, const auto& by) {
     by.shift_surface(c.base);
@@ -91,7 +96,7 @@ struct ContactKind {
     return false;
   }
   // Adds the forces of closed pairs, and the rates of the contact's totals; ev.pair_distances and ev.closed_pairs of
-  // those pairs.
+  // those pairs. Nothing of a rigid contact: its forces follow from the accelerations (rigid_row.h).
   static void add_forces(const Instant& now, const PlanContact& own, double scale, Evaluation& ev);
   static ElementReading read(const auto&, const PlanContact&, std::size_t, double scale) { return {.scale = scale}; }
   // Energy that closed pairs store, and all that the contact has lost.

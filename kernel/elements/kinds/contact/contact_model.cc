@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/elements/kinds/contact/rigid_contact.h"
 #include "kernel/model/validate.h"
 #include "kernel/plan/plan_lists.h"
 #include "unlatch/elementary.h"
@@ -58,6 +59,7 @@ ElementTraits ContactKind::describe(const Model& model, const Contact& c) {
 void ContactKind::validate(const Contact& c, const Check& element) {
   const Check own{element.model, quoted("contact", c.name), element.errors};
   check_shape_pair(own.model, own.where, c.base, c.follower, "between", own.errors);
+  if (c.rigid) return validate_rigid_contact(c, own);
   const auto check = [&](bool good, const char* key, double value, const char* mend) {
     if (!good || !std::isfinite(value)) own.report(std::string(key) + " is " + show(value), mend, key);
   };
@@ -101,9 +103,10 @@ PlanContact ContactKind::compile(const Contact& c, ElementCompiler& compiler) {
       const bool left_out = std::find(c.except.begin(), c.except.end(), pair) != c.except.end();
       if (left_out || !std::isfinite(distance)) continue;  // infinite: this pair has none
       plan.contact_pairs.push_back(
-          {place, static_cast<std::int32_t>(i), static_cast<std::int32_t>(k), c.on && distance < 0});
+          {place, static_cast<std::int32_t>(i), static_cast<std::int32_t>(k), c.on && !c.rigid && distance < 0});
       ++out.pairs;
     }
+  if (c.rigid) compile_rigid_contact(c, plan, out);
   return out;
 }
 

@@ -122,7 +122,8 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
 
 int count_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
   double most = 0, square = 0, damping = 0, slip = 0;
-  for (const PlanContact& contact : plan.contacts)
+  for (const PlanContact& contact : plan.contacts) {
+    if (contact.rigid) continue;  // smooth while it is closed
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
       if (plan.contact_substeps != kAutomaticSubsteps) return plan.contact_substeps;
@@ -134,6 +135,7 @@ int count_contact_parts(const PlanData& plan, const State& state, double t, cons
       damping += own.damping;
       slip += own.slip;
     }
+  }
   const double fastest = std::max(most, std::max(std::sqrt(square), std::max(damping, slip)) / kStable);
   int parts = 1;
   while (parts < kMaxAutomaticSubsteps && plan.options.dt * fastest > parts) parts *= 2;

@@ -198,6 +198,11 @@ struct Surface {
 //   F_t = −μ F_n v_t / √(|v_t|² + v_s²)     on the follower; on the base the opposite, both at that midpoint
 //
 // Pairs that have no distance (two half-spaces, two hollow shapes) do not touch.
+//
+// A rigid contact has neither stiffness nor depth: at the touch an impulse reverses the speed of approach times
+// `restitution`; a bounce whose flight would be shorter than `settle` does not leave. Then the distance is held by a
+// force that pushes, until that falls to zero. One shape of each of its pairs is a sphere, the other convex or a
+// half-space, and no body bends (THEORY.md, section 7).
 struct Contact {
   std::string name;                           // unique among elements
   int base = 0, follower = 0;                 // indices of surfaces, of two bodies
@@ -210,6 +215,8 @@ struct Contact {
   double slip_speed = 1e-3;                   // v_s, m/s, > 0
   bool on = true;                             // at the start
   std::vector<std::pair<int, int>> except{};  // pairs of shapes that do not touch: indices in base and follower
+  bool rigid = false;                         // see above: of all numbers only restitution, 0 to 1, and settle count
+  std::optional<double> settle{};             // of a rigid one, s, > 0; by default half of the step
 };
 
 // The elements of a model, kind by kind. They share one numbering: the lists follow each other in this order.

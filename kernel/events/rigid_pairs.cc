@@ -1,0 +1,261 @@
+#include "kernel/events/rigid_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/dispatch/kernels.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/integration/rigid_rows.h"
+#include "kernel/solver/loops/loop_rows.h"
+
+namespace unlatch {
+namespace {
+
+// Of EventSearch::rigid.
+constexpr std::int64_t kTouched = 1;  // in this round
+constexpr std::int64_t kSettles = 2;  // it touched, and does not bounce
+constexpr std::int64_t kPulled = 4;   // it was opened at this instant because its force would pull
+
+// Values of ContactState::closed.
+constexpr std::int64_t kOpen = 0, kClosed = 1, kLeaves = 2;
+
+// m: a pair that bounced touches again this much nearer, one that was opened at rest; a located touch is no deeper.
+constexpr double kBounced = 1e-12, kRested = 1e-10, kDeepest = 1e-8;
+// Part of forces, impulses and accelerations that is rounding; of rates, by which redundant rows contradict each other.
+constexpr double kNothing = 1e-9, kNoImpulse = 1e-12, kNoRate = 1e-8;
+
+const PlanContact& get_contact(const PlanData& plan, std::size_t pair) {
+  return plan.contacts[at(plan.contact_pairs[pair].contact)];
+}
+
+bool calc_row(const Run& run, std::size_t pair, RigidRow& row) {
+  const PlanData& plan = run.plan;
+  const PlanContact& contact = get_contact(plan, pair);
+  return calc_rigid_row(plan, static_cast<std::int32_t>(pair),
+                        get_body_frame(run.ev(), plan.shapes[at(contact.base)].body),
+                        get_body_frame(run.ev(), plan.shapes[at(contact.follower)].body), row);
+}
+
+// Second derivative of a pair's gap by the present accelerations, m/s².
+double calc_gap_acceleration(const Run& run, const RigidRow& row) {
+  const auto get = [&](int body) {
+    return body == kGround ? Spatial{{0, 0, 0}, {0, 0, 0}} : run.ev().get_acceleration(body);
+  };
+  return row.bias + apply_rigid_row(row, get(row.base), get(row.follower));
+}
+
+double calc_largest_force(const Run& run) {
+  double largest = 0;
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
+    if (run.state().contacts[i].closed == kClosed && get_contact(run.plan, i).rigid)
+      largest = std::max(largest, std::abs(run.ev().pair_forces[i]));
+  return largest;
+}
+
+bool would_overlap(const Run& run, std::size_t pair, double largest_force) {
+  if ((run.search().rigid[pair] & kPulled) == 0 || run.state().contacts[pair].closed != kOpen) return false;
+  RigidRow row;
+  return calc_row(run, pair, row) && calc_gap_acceleration(run, row) < -kNothing * row.free * largest_force;
+}
+
+void open(Run& run, std::size_t pair, double nearer) {
+  run.state().contacts[pair] = {kOpen, std::min(0.0, run.ev().pair_distances[pair]) - nearer};
+  run.ev().pair_forces[pair] = 0;
+}
+
+// Closes a pair. Its next flight would last 2 e |w⁻| / g at the acceleration −g of the gap. False if its contact was
+// switched on at this instant, where it overlaps.
+bool begin_touch(Run& run, double now, std::size_t pair) {
+  std::int64_t& flags = run.search().rigid[pair];
+  flags = kTouched;
+  run.state().contacts[pair] = {kClosed, 0};
+  const PlanContact& contact = get_contact(run.plan, pair);
+  run.ev().rigid.failed = run.plan.contact_pairs[pair].contact;
+  RigidRow row;
+  if (!calc_row(run, pair, row)) return false;
+  if (row.gap < -kDeepest && run.state().elements[at(contact.element)].switched_on == now) return false;
+  run.ev().rigid.failed = kNone;
+  if (!(row.rate < 0)) return true;
+  const double speed = contact.restitution * -row.rate, g = -calc_gap_acceleration(run, row);
+  if (speed == 0 || !(2 * speed < contact.settle * g)) return true;
+  flags |= kSettles;
+  ++run.report.settled;
+  run.report.settling = run.plan.contact_pairs[pair].contact;
+  return true;
+}
+
+// Opens or closes the first pair that has the wrong sign; 0 if none has.
+int pivot(Run& run, std::span<const double> guards, std::span<const double> below) {
+  const double largest = calc_largest_force(run);
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
+    if (!get_contact(run.plan, i).rigid) continue;
+    if (run.state().contacts[i].closed == kClosed && guards[i] >= -below[i]) {
+      if (run.ev().pair_forces[i] < 0) run.search().rigid[i] |= kPulled;
+      open(run, i, kRested);
+    } else if (would_overlap(run, i, largest)) {
+      run.state().contacts[i] = {kClosed, 0};
+    } else {
+      continue;
+    }
+    run.ev().rigid.failed = run.plan.contact_pairs[i].contact;
+    return 1;
+  }
+  return 0;
+}
+
+// The impulses of the rows: see rigid_pairs.h. False if the pivots do not end.
+bool find_impulses(Evaluation& ev) {
+  RigidScratch& s = ev.rigid;
+  const std::size_t n = s.loads.size();
+  const auto calc_surplus = [&](int r) {  // w⁺ − w
+    double sum = -s.loads[at(r)];
+    for (int c = 0; c < s.count; ++c) sum += s.matrix[at(r) * n + at(c)] * s.forces[at(c)];
+    return sum;
+  };
+  double fastest = 0;
+  RigidSet set = 0;
+  for (int r = 0; r < s.count; ++r) {
+    fastest = std::max(fastest, std::abs(s.loads[at(r)]));
+    if (s.loads[at(r)] > 0) set |= RigidSet{1} << r;
+  }
+  for (int tries = 0; tries <= 16 * s.count; ++tries) {
+    solve_rigid_set(set, ev);
+    double largest = 0;
+    for (int r = 0; r < s.count; ++r) largest = std::max(largest, std::abs(s.forces[at(r)]));
+    const auto has_wrong_sign = [&](int r) {
+      return has_rigid(set, r) ? s.forces[at(r)] < -kNoImpulse * largest : calc_surplus(r) < -kNoRate * fastest;
+    };
+    if (const int leaves = find_contradiction(set, kNoRate * fastest, ev); leaves != kNone) {
+      set ^= RigidSet{1} << leaves;
+      continue;
+    }
+    int wrong = kNone;
+    for (int r = 0; r < s.count && wrong == kNone; ++r)
+      if (has_wrong_sign(r)) wrong = r;
+    if (wrong != kNone) {
+      set ^= RigidSet{1} << wrong;
+      continue;
+    }
+    // Redundant rows that are satisfied as well take their share, if none has to pull for it.
+    RigidSet tight = set;
+    for (int r = 0; r < s.count; ++r)
+      if (!has_rigid(set, r) && calc_surplus(r) <= kNoRate * fastest) tight |= RigidSet{1} << r;
+    if (tight == set) return true;
+    solve_rigid_set(tight, ev);
+    for (int r = 0; r < s.count; ++r)
+      if (s.forces[at(r)] < -kNoImpulse * largest) {
+        solve_rigid_set(set, ev);
+        return true;
+      }
+    return true;
+  }
+  return false;
+}
+
+// What the ground takes, and what the impulses of the rows do; adds these to the contacts' totals.
+void account(Run& run, Balance& allowed) {
+  Evaluation& ev = run.ev();
+  const RigidScratch& s = ev.rigid;
+  const std::size_t n = s.loads.size();
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow& row = s.rows[at(r)];
+    double after = row.rate;
+    for (int c = 0; c < s.count; ++c) after += s.matrix[at(r) * n + at(c)] * s.forces[at(c)];
+    const double p = s.forces[at(r)], work = 0.5 * p * (row.rate + after);
+    allowed.kinetic += work;
+    if (row.base == kGround || row.follower == kGround) {
+      const int body = row.base == kGround ? row.follower : row.base;
+      const Spatial wrench = p * (row.base == kGround ? row.on_follower : row.on_base);
+      allowed.momentum += wrench.lin;
+      allowed.angular_momentum += cross(get_body_frame(ev, body).p, wrench.lin) + wrench.ang;
+    }
+    add_impulse(get_contact(run.plan, at(row.pair)), p, -work, ev);
+    if (after > kRigidRest) {
+      run.state().contacts[at(row.pair)].closed = kLeaves;
+      ev.pair_forces[at(row.pair)] = 0;
+    }
+  }
+}
+
+}  // namespace
+
+void begin_rigid_pairs(Run& run) noexcept {
+  std::fill(run.search().rigid.begin(), run.search().rigid.end(), std::int64_t{0});
+  run.ev().rigid.failed = kNone;
+}
+
+bool wants_rigid_pair(const Run& run) noexcept {
+  if (run.plan.rigid_pairs == 0) return false;
+  const double largest = calc_largest_force(run);
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
+    if (would_overlap(run, i, largest)) return true;
+  return false;
+}
+
+int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances) noexcept {
+  const PlanData& plan = run.plan;
+  if (plan.rigid_pairs == 0) return 0;
+  const std::span<const double> guards = get_pair_guards(plan, std::span<const double>(run.ev().guards)),
+                                below = get_pair_guards(plan, tolerances);
+  int count = 0;
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
+    if (!get_contact(plan, i).rigid) continue;
+    run.search().rigid[i] &= kPulled;
+    const std::int64_t closed = run.state().contacts[i].closed;
+    const bool on = calc_scale(run.state().elements[at(get_contact(plan, i).element)], now) != 0;
+    if (closed == kOpen && guards[i] >= -below[i]) {
+      if (!begin_touch(run, now, i)) return kFailedTouch;
+    } else if (closed == kLeaves || (closed == kClosed && !on)) {
+      open(run, i, closed == kLeaves ? kBounced : kRested);
+    } else {
+      continue;
+    }
+    ++count;
+  }
+  return count > 0 ? count : pivot(run, guards, below);
+}
+
+bool has_rigid_impulse(const Run& run, bool jumped) noexcept {
+  for (std::size_t i = 0; i < run.search().rigid.size(); ++i) {
+    if ((run.search().rigid[i] & kTouched) != 0) return true;
+    if (jumped && get_contact(run.plan, i).rigid && run.state().contacts[i].closed == kClosed) return true;
+  }
+  return false;
+}
+
+int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
+  const PlanData& plan = run.plan;
+  Evaluation& ev = run.ev();
+  RigidScratch& s = ev.rigid;
+  if (const std::int32_t pair = collect_rigid_rows(plan, run.state(), now, ev); pair != kNone) {
+    s.failed = plan.contact_pairs[at(pair)].contact;
+    return kRigidFailure;
+  }
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow& row = s.rows[at(r)];
+    const bool bounces = (run.search().rigid[at(row.pair)] & (kTouched | kSettles)) == kTouched && row.rate < 0;
+    s.loads[at(r)] = -(1 + (bounces ? get_contact(plan, at(row.pair)).restitution : 0)) * row.rate;
+  }
+  update_joints(plan, run.state(), RowTarget::kVelocity, ev);
+  const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
+  const int node = get_kernels(plan).factor_and_solve(plan, run.state(), ev, nothing, kAllRows);
+  if (node != kNone) return node;
+  update_rigid_matrix(plan, 0, ev);
+  if (!find_impulses(ev)) {
+    s.failed = plan.contact_pairs[at(s.rows[0].pair)].contact;
+    return kRigidFailure;
+  }
+  account(run, allowed);
+  set_rigid_impulses(plan, ev);
+  if (const int failed = apply_impulse(plan, Source::kBodyForces, run.state(), ev); failed != kNone) return failed;
+  const Balance joints = calc_allowed_change(plan, run.state(), ev);
+  allowed.momentum += joints.momentum;
+  allowed.angular_momentum += joints.angular_momentum;
+  allowed.kinetic += joints.kinetic;
+  update_velocities(plan, ev);
+  return kNone;
+}
+
+}  // namespace unlatch

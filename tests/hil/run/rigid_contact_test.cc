@@ -1,0 +1,128 @@
+// Rigid contacts of the language, and their results in a run, against closed forms.
+#include <cmath>
+
+#include "hil/run/linearization.h"
+#include "hil/run/notices/notices.h"
+#include "tests/hil/run/analysed_run.h"
+#include "tests/hil/scenario/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kWeight = 2 * 9.81;  // N
+
+// A ball of 2 kg, `height` above a floor.
+std::string build_ball(const std::string& height, const std::string& law, const std::string& rest = "") {
+  return R"(unlatch: 1
+name: ball
+step: {dt: 1 ms, until: 1}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, half_space: {point: [0, 0, 0], normal: [0, 0, 1]}}]}
+bodies:
+  ball: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.5 + )" +
+         height + R"(], shape: [{name: skin, sphere: {radius: 0.5}}]}
+contacts:
+  blow: {between: [ground.floor, ball], )" +
+         law + "}\n" + rest;
+}
+
+const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& name) {
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    if (notice.name == name) return &notice;
+  return nullptr;
+}
+
+TEST(RigidContacts, EachBounceIsATouchOfTheRecord) {
+  const AnalysedRun run(
+      build_ball("0.2", "rigid: true, restitution: 0.5, settle: 1 ms",
+                 "requirements:\n"
+                 "  - {id: first, time: {event: touch:blow}, at_most: 1 s}\n"
+                 "  - {id: impulse, contact: {name: blow, value: impulse}, take: final, at_most: 100 N s}\n"
+                 "  - {id: force, contact_force: blow, take: final, at_most: 10 N}\n"));
+  const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
+  ASSERT_EQ(contacts.size(), 1u);
+  const double fall = std::sqrt(2 * 0.2 / 9.81), speed = 9.81 * fall;
+  EXPECT_NEAR(*contacts[0].touch, fall, 1e-8);
+  // flights of 2 · 0.5ⁿ of the fall, down to 1 ms: n = 1 … 8
+  ASSERT_EQ(contacts[0].touches, 9);
+  ASSERT_EQ(contacts[0].list.size(), 9u);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(contacts[0].list[i].time, fall * (3 - 2 * std::pow(0.5, i)), 1e-7) << i;
+    EXPECT_EQ(contacts[0].list[i].lift, contacts[0].list[i].time) << i;
+    EXPECT_NEAR(contacts[0].list[i].impulse, 2 * 1.5 * speed * std::pow(0.5, i), 1e-6) << i;
+    EXPECT_EQ(contacts[0].list[i].duration, 0) << i;
+  }
+  EXPECT_FALSE(contacts[0].list[8].lift);
+  EXPECT_TRUE(contacts[0].closed);
+  EXPECT_NEAR(contacts[0].peak_force, kWeight, 1e-8);
+  EXPECT_NEAR(contacts[0].totals.impulse, kWeight * 1, 1e-5) << "the weight of one second, and no speed at the end";
+  EXPECT_NEAR(contacts[0].totals.dissipated, kWeight * 0.2, 1e-5);
+  EXPECT_NEAR(run.judge("first").value, fall, 1e-6);
+  EXPECT_NEAR(run.judge("impulse").value, contacts[0].totals.impulse, 1e-12);
+  EXPECT_NEAR(run.judge("force").value, kWeight, 1e-9);
+  EXPECT_FALSE(run.judge("force").is_met());
+  ASSERT_NE(find_notice(run, "contact"), nullptr);
+  EXPECT_NE(find_notice(run, "contact")->text.find("shorter than 0.001 s"), std::string::npos)
+      << find_notice(run, "contact")->text;
+}
+
+TEST(RigidContacts, OneThatBearsAWeightHasItFromTheFirstTick) {
+  const AnalysedRun run(build_ball("0", "rigid: true",
+                                   "requirements:\n"
+                                   "  - {id: least, contact_force: blow, at_least: 19 N}\n"));
+  const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
+  EXPECT_TRUE(contacts[0].closed_at_start);
+  EXPECT_EQ(contacts[0].touches, 0);
+  EXPECT_NEAR(contacts[0].duration, 1, 1e-12);
+  EXPECT_NEAR(run.judge("least").value, kWeight, 1e-9);
+}
+
+TEST(RigidContacts, TheEnergyBalanceCloses) {
+  const hil::Scenario scenario = hil::load_scenario_text(build_ball("0.2", "rigid: true, restitution: 0.5"), "s.yaml");
+  const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
+  hil::NoticeWatch watch(scenario, *simulation);
+  watch.update(StepReport{});
+  while (simulation->get_tick() < 1000) {
+    const StepReport report = simulation->step();
+    ASSERT_EQ(report.status, StepStatus::kOk);
+    watch.update(report);
+  }
+  const hil::EnergyBalance& energy = watch.get_energy();
+  EXPECT_LT(std::abs(energy.largest), 1e-6 * energy.scale);
+  EXPECT_NEAR(energy.impulses, -kWeight * 0.2, 1e-4);
+}
+
+TEST(RigidContacts, MistakesSayWhatWouldBeRight) {
+  const auto mistakes = [](const std::string& law) { return load_errors(build_ball("0.2", law)); };
+  EXPECT_EQ(mistakes("rigid: true"), "");
+  EXPECT_NE(mistakes("rigid: true, stiffness: 1 MN/m").find("stiffness"), std::string::npos);
+  EXPECT_NE(mistakes("rigid: false").find("no stiffness"), std::string::npos);
+  EXPECT_NE(mistakes("rigid: true, restitution: {coefficient: 0.5, speed: 1}").find("one number"), std::string::npos);
+  EXPECT_NE(mistakes("stiffness: 1 MN/m, restitution: 0.5").find("{coefficient: 0.5"), std::string::npos);
+  EXPECT_NE(mistakes("stiffness: 1 MN/m, settle: 1 ms").find("settle"), std::string::npos);
+  const std::string rough = mistakes("rigid: true, friction: 0.2");
+  EXPECT_NE(rough.find("no friction yet"), std::string::npos) << rough;
+  EXPECT_NE(rough.find("s.yaml:9:"), std::string::npos) << rough;
+}
+
+TEST(RigidContacts, AFaultNamesTheContactThatCannotBeHeld) {
+  // switched on where the ball is in the floor
+  const hil::Scenario scenario = hil::load_scenario_text(
+      build_ball("0.01", "rigid: true, enabled: false",
+                 "events:\n  - {name: shut, when: {time: 0.2}, then: [{switch: {element: blow, to: true}}]}\n"),
+      "s.yaml");
+  const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
+  StepReport report;
+  while (report.status == StepStatus::kOk && simulation->get_tick() < 300) report = simulation->step();
+  EXPECT_EQ(report.status, StepStatus::kRigidContact);
+  EXPECT_NE(hil::describe_fault(report, simulation->get_tick(), scenario.model, scenario.dt).find("at contact 'blow'"),
+            std::string::npos);
+}
+
+TEST(RigidContacts, NoLinearModelIsMadeOfOneThatIsClosed) {
+  const hil::Scenario scenario = hil::load_scenario_text(build_ball("0", "rigid: true"), "s.yaml");
+  EXPECT_THROW((void)hil::linearize(scenario, *hil::build_simulation(scenario), {}), hil::LinearizationError);
+}
+
+}  // namespace
+}  // namespace unlatch::test
