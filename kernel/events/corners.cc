@@ -8,7 +8,6 @@
 namespace unlatch {
 namespace {
 
-constexpr double kNear = 1e-5;       // part of the step, from either end of a sub-step
 constexpr double kNearJump = 1e-12;  // part of the sub-step, from its end: rounding of times
 
 }  // namespace
@@ -16,7 +15,7 @@ constexpr double kNearJump = 1e-12;  // part of the sub-step, from its end: roun
 PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
                          std::span<const double> at_end, const PassedCorner& ended) noexcept {
   PassedCorner found;
-  const double margin = kNear * plan.options.dt / (end - begin);
+  const double margin = kNearCorner * plan.options.dt / (end - begin);
   double first = 1;
   for (const PlanCorner& corner : plan.laws.corners) {
     const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)];
@@ -55,7 +54,7 @@ bool passes(const double* knots, std::int32_t count, double a, double b, double 
 
 bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept {
   const double margin =
-      4 * kNear * plan.options.dt / (end - begin);  // of a half: twice that of the whole, and to spare
+      4 * kNearCorner * plan.options.dt / (end - begin);  // of a half: twice that of the whole, and to spare
   for (const PlanCorner& corner : plan.laws.corners) {
     const double a = places.at_begin[at(corner.place)], b = places.at_end[at(corner.place)];
     const double m = places.in_middle[at(corner.place)];

@@ -10,6 +10,10 @@
 
 namespace unlatch {
 
+inline constexpr int kMostCornerSplits = 8;  // of a step
+// Part of the step: corners that are nearer than this to an end of a sub-step are not inside it.
+inline constexpr double kNearCorner = 1e-5;
+
 struct PassedCorner {
   std::int32_t place = kNone;  // in Evaluation::law_places; kNone: no corner is passed
   double knot = 0;             // that is passed there

@@ -18,9 +18,8 @@ constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
 constexpr int kMostLooks = 8;  // tries that search for touches within a sub-step
 constexpr int kMostCornerTries = 6;
-constexpr int kMostJumpTries = 12;    // that end behind it
-constexpr double kBeyond = 16;        // growth of what a try beyond the estimate adds
-constexpr int kMostCornerSplits = 8;  // of a step
+constexpr int kMostJumpTries = 12;  // that end behind it
+constexpr double kBeyond = 16;      // growth of what a try beyond the estimate adds
 
 // Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
 bool try_substep(Run& run, const SubstepStart& start, double end) {

@@ -140,7 +140,7 @@ LawGraph build_law_graph(const Model& model) {
   return graph;
 }
 
-std::vector<std::vector<int>> list_bodies_of_laws(const Model& model) {
+std::vector<std::vector<int>> list_bodies_of_laws(const Model& model, Reading reading) {
   const std::vector<int> order = build_law_graph(model).order;
   std::vector<std::vector<int>> bodies(model.laws.size());
   int element = 0;
@@ -149,7 +149,7 @@ std::vector<std::vector<int>> list_bodies_of_laws(const Model& model) {
     for (auto item : kind.of(model)) {
       marks.assign(model.laws.size(), false);
       kind.shift(item, LawLister{marks});
-      mark_laws_read(model, order, marks);
+      if (reading == Reading::kAny) mark_laws_read(model, order, marks);
       const std::vector<int> own = list_element_bodies(model, element++);
       for (std::size_t i = 0; i < marks.size(); ++i)
         if (marks[i])
@@ -158,6 +158,17 @@ std::vector<std::vector<int>> list_bodies_of_laws(const Model& model) {
     }
   });
   return bodies;
+}
+
+std::vector<int> list_laws_behind(const Model& model, int law) {
+  const std::vector<int> order = build_law_graph(model).order;
+  std::vector<bool> marks(model.laws.size());
+  marks[at(law)] = true;
+  mark_laws_read(model, order, marks);
+  std::vector<int> behind;
+  for (const int one : order)
+    if (marks[at(one)]) behind.push_back(one);
+  return behind;
 }
 
 }  // namespace unlatch

@@ -2,98 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <span>
 
+#include "kernel/laws/law_steps.h"
 #include "kernel/laws/tables.h"
 #include "kernel/quantities/quantities.h"
-#include "unlatch/elementary.h"
 
 namespace unlatch {
 namespace {
-
-// value · scale · command + offset + command
-template <class Scaled>
-double rescale(const Scaled& own, const Inputs& inputs, double value) {
-  value *= own.scale;
-  if (own.scale_channel != kNone) value *= inputs.commands[at(own.scale_channel)];
-  value += own.offset;
-  if (own.offset_channel != kNone) value += inputs.commands[at(own.offset_channel)];
-  return value;
-}
-
-double calc_power(double a, std::int32_t exponent) {
-  double power = 1;
-  for (std::int32_t i = 0; i < std::abs(exponent); ++i) power *= a;
-  return exponent < 0 ? 1 / power : power;
-}
-
-// asin and acos by atan2, which has the same bits everywhere; beyond ±1 they are NaN.
-double calc_asin(double x) { return elementary::atan2(x, std::sqrt((1 - x) * (1 + x))); }
-double calc_acos(double x) { return elementary::atan2(std::sqrt((1 - x) * (1 + x)), x); }
-
-double calc_tan(double x) {
-  double sine, cosine;
-  elementary::sincos(x, sine, cosine);
-  return sine / cosine;
-}
 
 double look_up(const Instant& now, std::span<TableExit> exits, std::int32_t number, const double* coordinates) {
   const PlanLaws& plan = now.plan.laws;
   const PlanTable& table = plan.tables[at(number)];
   return rescale(table, now.inputs, calc_table(plan, table, coordinates, exits[at(number)]));
-}
-
-// A step of one argument.
-double apply(const PlanLawStep& step, double a) {
-  using Kind = LawStep::Kind;
-  switch (step.kind) {
-    case Kind::kPower:
-      return calc_power(a, step.subject);
-    case Kind::kNegate:
-      return -a;
-    case Kind::kSqrt:
-      return std::sqrt(a);
-    case Kind::kAbs:
-      return std::abs(a);
-    case Kind::kSin:
-      return elementary::sin(a);
-    case Kind::kCos:
-      return elementary::cos(a);
-    case Kind::kTan:
-      return calc_tan(a);
-    case Kind::kAsin:
-      return calc_asin(a);
-    case Kind::kAcos:
-      return calc_acos(a);
-    case Kind::kAtan:
-      return elementary::atan2(a, 1);
-    case Kind::kExp:
-      return elementary::exp(a);
-    default:
-      return elementary::log(a);
-  }
-}
-
-// A step of two arguments. The minimum and the maximum of NaN and a number are NaN.
-double apply(const PlanLawStep& step, double a, double b) {
-  using Kind = LawStep::Kind;
-  switch (step.kind) {
-    case Kind::kAdd:
-      return a + b;
-    case Kind::kSubtract:
-      return a - b;
-    case Kind::kMultiply:
-      return a * b;
-    case Kind::kDivide:
-      return a / b;
-    case Kind::kAtan2:
-      return elementary::atan2(a, b);
-    case Kind::kMin:
-      return a < b || a != a ? a : b;
-    default:
-      return a > b || a != a ? a : b;
-  }
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
     arena.take(*guards, events + plan.contact_pairs.size());
   for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
     arena.take(*rates, plan.contact_pairs.size());
-  arena.take(search.places_low, plan.laws.corners.empty() ? 0 : static_cast<std::size_t>(plan.law_numbers.places));
+  arena.take(search.places_low, static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
   arena.take(search.rigid, plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "kernel/elements/compliance.h"
+#include "kernel/events/corner_marks.h"
 #include "kernel/events/corners.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
@@ -133,7 +134,8 @@ class SideBySide {
   }
 
   // True if no event of the member is due at the beginning of the step (compare is_due() in events.cc), no pending
-  // event becomes due in it, and no contact is closed.
+  // event becomes due in it, no contact is closed, and, where its motion is logged, no table over time or switch has a
+  // corner in it.
   bool begins_quietly(std::size_t m) const {
     const PlanData& own = get_data(*runs_[m].plan);
     const Guards guards = get_guards(m, ev_.guards);
@@ -148,7 +150,7 @@ class SideBySide {
     const std::span<const ContactState> pairs = runs_[m].state->contacts;
     if (std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; }))
       return false;
-    return true;
+    return runs_[m].log == nullptr || !mark_times(own, *runs_[m].state, begin_, end_).any();  // its own step logs it
   }
 
   // The whole step as one sub-step. False if that fails.
@@ -188,6 +190,9 @@ class SideBySide {
           passes_and_returns(own, begin_, end_, places))
         return false;
     }
+    if (runs_[m].log != nullptr && !own.laws.empty() &&
+        mark_corners(own, *runs_[m].state, begin_, end_, get_course(m)).any())
+      return false;  // its own step logs it
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)
       if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||
@@ -198,6 +203,14 @@ class SideBySide {
 
   std::span<const double> get_places(std::size_t m, std::span<const double> places) const {
     return places.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
+  }
+
+  LawCourse get_course(std::size_t m) const {
+    const auto branches = [&](std::span<const std::int32_t> all) {
+      return all.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
+    };
+    return {get_places(m, search_.places_low), get_places(m, ev_.law_places), branches(ev_.branches_at_start),
+            branches(ev_.branches)};
   }
 
   bool leaves_table(std::size_t m) const {
@@ -265,6 +278,7 @@ class SideBySide {
     MotionKnot& knot = runs_[m].log->add();
     knot.time = time;
     knot.begins = begins;
+    knot.corner = false;
     *knot.state.header = {state_.header->tick, runs_[m].plan->get_hash()};
     copy_out(member, state_, knot.state);
     for (std::size_t b = 0; b < knot.accelerations.size(); ++b) knot.accelerations[b] = get_acceleration(member, b);

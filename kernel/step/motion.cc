@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <new>
 
+#include "kernel/events/corners.h"
 #include "kernel/plan/plan_data.h"
 
 namespace unlatch {
 namespace {
 
-// Number of knots: beginning and end of the step, and two for each instant between; these are its splits, its
-// beginning, and the ends of the parts into which closed contacts cut it.
+// Number of knots: beginning and end of the step, and two for each instant between; these are its splits at events and
+// at corners, its beginning, and the ends of the parts into which closed contacts cut it.
 std::size_t count_knots(const PlanData& plan) {
   const std::size_t parts = plan.contacts.empty()                         ? 1
                             : plan.contact_substeps == kAutomaticSubsteps ? at(kMaxAutomaticSubsteps)
                                                                           : at(plan.contact_substeps);
-  return 2 * (at(plan.options.max_splits) + parts) + 2;
+  return 2 * (at(plan.options.max_splits) + at(kMostCornerSplits) + parts) + 2;
 }
 
 std::size_t count_numbers(const Plan& owner) {

@@ -16,6 +16,7 @@
 
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/kinds/contact/rigid_row.h"
+#include "kernel/events/corner_marks.h"
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
@@ -48,6 +49,7 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
+  knot.corner = false;
   copy(run.state(), knot.state);
   for (std::size_t b = 0; b < knot.accelerations.size(); ++b)
     knot.accelerations[b] = run.ev().get_acceleration(static_cast<int>(b));
@@ -56,17 +58,47 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
   std::copy(run.ev().quantities.begin(), run.ev().quantities.end(), knot.quantities.begin());
 }
 
-// Executes events at `now`. `tolerances`: of the guards. `begins`: of the knot before the events.
-bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins,
-            Readings readings = Readings::kStale) {
-  log_motion(run, now, begins, readings);
+LawCourse get_course(const Run& run) {
+  const Evaluation& ev = run.ev();
+  return {run.search().places_low, ev.law_places, ev.branches_at_start, ev.branches};
+}
+
+// Logs the end of the sub-step that began at `begin`. A law that jumps there has the value that the stages approached;
+// then the evaluation is again that of the end, to the bit, with its readings. True if the motion has a corner there.
+bool log_end(Run& run, double begin, double now, Readings readings) {
+  if (run.log == nullptr) return false;
+  const CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
+  if (marks.at_begin) run.log->mark_corner();
+  if (marks.jumps) {
+    hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
+    Instant before = run.get_instant(now);
+    before.branches = Branches::kHold;
+    (void)evaluate(before, Changed::kCommands, run.ev());  // the factor is that of the end
+  }
+  log_motion(run, now, false, marks.jumps ? Readings::kStale : readings);
+  if (marks.at_end) run.log->mark_corner();
+  if (!marks.jumps) return marks.at_end;
+  (void)evaluate(run.get_instant(now), Changed::kCommands, run.ev());
+  update_readings(run.get_instant(now), run.ev());
+  return true;
+}
+
+// The latest knot of the log, before events act.
+enum class Latest {
+  kBegin,   // the beginning of the step
+  kEnd,     // the end of a sub-step: the motion goes on smoothly unless an event acts
+  kCorner,  // likewise, but it does not go on smoothly
+};
+
+// Executes events at `now`, and logs what follows. `tolerances`: of the guards.
+bool act_at(Run& run, double now, std::span<const double> tolerances, Latest latest) {
   const auto count = [&] { return run.events().fired_count + run.events().change_count; };
   const std::int32_t acted = count();
   const StepStatus status = act(run, now, tolerances);
-  if (status == StepStatus::kOk && count() != acted)
+  if ((status == StepStatus::kOk && count() != acted) || latest == Latest::kCorner)
     log_motion(run, now, true, Readings::kStale);
-  else if (run.log != nullptr && !begins)
-    run.log->remove();  // no event acted: the motion goes on smoothly
+  else if (run.log != nullptr && latest == Latest::kEnd)
+    run.log->remove();
   return status == StepStatus::kOk ||
          run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ev(), run.node) : status);
 }
@@ -97,12 +129,24 @@ double advance(Run& run, double now, double step_end, int& splits) {
   accept(run);
   if (reached.at_event || (reaches_due && reached.time == target)) {
     ++splits;
-    act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact, false);
+    const bool corner = log_end(run, now, reached.time, Readings::kStale);
+    act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact,
+           corner ? Latest::kCorner : Latest::kEnd);
   } else if (reached.time < step_end) {
-    log_motion(run, reached.time, false, Readings::kStale);
+    log_end(run, now, reached.time, Readings::kStale);
     log_motion(run, reached.time, true, Readings::kPresent);
   }
   return reached.time;
+}
+
+// Logs the end of the step, whose latest sub-step began at `begin`: there may have been events at its end.
+void log_last(Run& run, double begin, double end) {
+  if (run.log == nullptr) return;
+  const MotionKnot& latest = run.log->get_knots().back();
+  if (latest.begins && latest.time == end)
+    log_motion(run, end, false, Readings::kPresent);
+  else
+    log_end(run, begin, end, Readings::kPresent);
 }
 
 // What may differ between `state` and the kept one.
@@ -171,10 +215,15 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state(), run.ev());
-  if (!act_at(run, begin, run.data.exact, true, get_first_readings(run, changed))) return finish(run);
+  log_motion(run, begin, true, get_first_readings(run, changed));
+  if (!act_at(run, begin, run.data.exact, Latest::kBegin)) return finish(run);
 
   int splits = 0;
-  for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
+  double last = begin;  // the beginning of the latest sub-step
+  for (double now = begin; now < end && run.report.status == StepStatus::kOk;) {
+    last = now;
+    now = advance(run, now, end, splits);
+  }
   if (run.report.status != StepStatus::kOk) return finish(run);
   update_readings(run.get_instant(end), run.ev());
   if (!is_finite(run.state(), run.ev().sensors)) run.fail(StepStatus::kNotFinite);
@@ -183,7 +232,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
 
   run.report.redundant = run.ev().loop_redundant;
   ++run.state().header->tick;
-  log_motion(run, end, false, Readings::kPresent);
+  log_last(run, last, end);
   copy(run.state(), state);
   kept.valid = true;
   return finish(run);

@@ -29,7 +29,7 @@ void add_event_findings(const Scenario& scenario, std::vector<Finding>& findings
 // step_findings.cc: what the step does not resolve, contacts that begin closed, loops that cost much.
 void add_step_findings(const Scenario& scenario, const Simulation& simulation, std::vector<Finding>& findings);
 
-// law_findings.cc: corners of tables that forces read, intervals of time that the step passes over.
-void add_law_findings(const Scenario& scenario, std::vector<Finding>& findings);
+// law_findings.cc: corners of tables that forces read, intervals of time and laws of time that the step passes over.
+void add_law_findings(const Scenario& scenario, const Simulation& simulation, std::vector<Finding>& findings);
 
 }  // namespace unlatch::hil

@@ -17,7 +17,7 @@ std::vector<Finding> list_findings(const Scenario& scenario, const Simulation& s
   add_unwatched_overlap_findings(scenario, findings);
   add_event_findings(scenario, findings);
   add_step_findings(scenario, simulation, findings);
-  add_law_findings(scenario, findings);
+  add_law_findings(scenario, simulation, findings);
   for (const RequirementProblem& problem : find_trivial(scenario))
     findings.push_back({"trivial", quoted("requirement", scenario.requirements[problem.requirement].id),
                         problem.what + "; " + problem.mend});

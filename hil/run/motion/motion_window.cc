@@ -72,16 +72,17 @@ BodyState MotionPiece::calc_body(std::size_t body, double time) const {
           three.place[0] * a.w + three.rate[0] * turn_a.w_rate + three.place[1] * b.w + three.rate[1] * turn_b.w_rate};
 }
 
-// Moves to the piece between two knots. Motion is smooth if neither state nor accelerations jump: a step begins with
-// its inputs, which may be new.
+// Moves to the piece between two knots. Motion is smooth if neither state nor accelerations jump, a step begins with
+// its inputs, which may be new, and if there is no corner.
 void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   const MotionPiece& before = pieces_[present_];
   const auto same = [](const auto& a, const auto& b) {
     return a.size() == b.size() + 1 && std::memcmp(a.data(), b.data(), b.size() * sizeof(b[0])) == 0;
   };
-  smooth_ = begun_ && before.to == from.time && same(before.end, from.state.bodies) &&
+  smooth_ = begun_ && !corner_ && !from.corner && before.to == from.time && same(before.end, from.state.bodies) &&
             same(before.at_end, from.accelerations);
   begun_ = true;
+  corner_ = to.corner;
   present_ = 1 - present_;
   MotionPiece& piece = pieces_[present_];
   piece.from = from.time;

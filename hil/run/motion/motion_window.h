@@ -50,6 +50,7 @@ class MotionWindow {
   MotionPiece pieces_[2];
   int present_ = 0;
   bool smooth_ = false, begun_ = false;
+  bool corner_ = false;  // the present piece ends at a corner
 };
 
 // State of a body at rest, such as the ground.

@@ -107,7 +107,8 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
   const bool grounded = frame_.grounded || frame.grounded;
-  bool smooth = report.audits.empty() && !has_corner(end - dt, end) && !(corners_ && report.substeps > 1);
+  const bool corner = has_corner(end - dt, end) || std::ranges::any_of(simulation_.get_motion(), &MotionKnot::corner);
+  bool smooth = report.audits.empty() && !corner && !(corners_ && report.substeps > 1);
   const EnergyFlow start = calc_start(smooth);
   if (grounded != grounded_) following_.forget();
   const bool implicit = is_implicit();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/contact_resolution.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
@@ -51,8 +52,10 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       left_(scenario.model.tables.size()),
       skipped_(scenario.model.tables.size()),
       beside_(scenario.model.one_sided.size()),
+      passed_over_(scenario.model.laws.size()),
       cells_(scenario.model),
       jumps_(simulation),
+      laws_(std::make_unique<LawWatch>(scenario.model, simulation.plan())),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -107,6 +110,7 @@ void NoticeWatch::update(const StepReport& report) {
   if (!begun_ || !report.events.empty()) watch_springs();
   watch_tables();
   watch_cells(report);
+  watch_laws();
   watch_directions();
   watch_guides();
   watch_profiles();
@@ -190,38 +194,6 @@ void NoticeWatch::watch_profiles() {
                 error);
           },
           bodies);
-  }
-}
-
-// Tables that are left where this is a notice.
-void NoticeWatch::watch_tables() {
-  const std::span<const TableExit> exits = simulation_.workspace().table_exits;
-  for (std::size_t i = 0; i < exits.size(); ++i) {
-    const TableExit& exit = exits[i];
-    if (exit.axis == kNone || exit.end != TableAxis::End::kNotice) continue;
-    const Table& table = scenario_.model.tables[i];
-    const std::vector<double>& knots = table.axes[at(exit.axis)].knots;
-    const double beyond = std::max(knots.front() - exit.value, exit.value - knots.back());
-    report(left_[i], "table", table.name, beyond / (knots.back() - knots.front()),
-           [&] { return describe_exit(table, exit) + ": the value at the end holds"; });
-  }
-}
-
-// Tables that a step skips cells of.
-void NoticeWatch::watch_cells(const StepReport& step) {
-  for (const SkippedCells& skipped : cells_.update(get_law_places(simulation_.workspace()), !step.events.empty())) {
-    const Table& table = scenario_.model.tables[at(skipped.table)];
-    const std::string& axis = table.axes[at(skipped.axis)].name;
-    report(
-        skipped_[at(skipped.table)], "cell", table.name, skipped.cells,
-        [&] {
-          return format(
-              "a step passes %.0f whole cells of its axis %s, from %.4g to %.4g: a smaller step, or a coarser table, "
-              "would do",
-              skipped.cells, axis.empty() ? std::to_string(skipped.axis + 1).c_str() : axis.c_str(), skipped.from,
-              skipped.to);
-        },
-        skipped.bodies);
   }
 }
 

@@ -22,6 +22,7 @@
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   cell*      a law that forces read looked a table up at places between which, from one tick to the next, there are
 //              whole cells of one of its axes, which were not seen
+//   law*       a law that forces read rises and falls, or jumps, between the instants at which a step evaluates it
 //   beside*    a pusher with a guide pushes a follower whose point is farther beside the guide than the stroke is long:
 //              it has come back, but not onto the pusher
 //   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
@@ -45,6 +46,7 @@
 
 namespace unlatch::hil {
 
+class LawWatch;
 class StepAudit;
 struct StepError;
 
@@ -102,6 +104,7 @@ class NoticeWatch {
   void watch_profiles();
   void watch_tables();
   void watch_cells(const StepReport& step);
+  void watch_laws();
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_jumps();
@@ -128,10 +131,11 @@ class NoticeWatch {
   std::vector<Slot> profile_notices_;              // of loads
   std::vector<Slot> left_, skipped_;               // of tables
   std::vector<Slot> beside_;                       // of one-sided forces
-  std::vector<Slot> passed_;                       // of events
+  std::vector<Slot> passed_, passed_over_;         // of events; of laws
   std::vector<ProfileWatch> profiles_;             // of loads
   CellWatch cells_;
   ContactJumps jumps_;
+  std::unique_ptr<LawWatch> laws_;
   std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;
   bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false,

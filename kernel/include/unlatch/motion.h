@@ -1,6 +1,8 @@
 // Motion inside a step: the states and outputs between which it is smooth. A step is smooth from its beginning to the
 // first instant at which events act, from there to the next, and to its end. Minima and event values that lie inside a
-// step are read off these (hil/run/motion); the step itself needs none of it, and its bits do not depend on it.
+// step are read off these (hil/run/motion); the step itself needs none of it, and its bits do not depend on it. Where a
+// law jumps, the piece before ends with the values that its stages approached, and the piece behind begins with the
+// others.
 #pragma once
 
 #include <cstddef>
@@ -17,15 +19,18 @@ namespace unlatch {
 struct MotionKnot {
   double time = 0;      // s
   bool begins = false;  // a piece begins here: this is just after events, or the beginning of the step with its inputs
-  State state;          // at `time`; its header has the tick at which the step began, but for the last knot
+  // The pieces of motion that meet here are not one smooth curve, though the motion and its forces may be continuous: a
+  // law, a table over time or a switch has a corner here, or has one that no step was split at on either side.
+  bool corner = false;
+  State state;  // at `time`; its header has the tick at which the step began, but for the last knot
   std::span<Spatial> accelerations;  // of the bodies' origins, world axes, m/s², rad/s²; by body
   std::span<double> multipliers;     // six for each joint, N, N m
   std::span<double> sensors;         // as Workspace::sensors
   std::span<double> quantities;      // as Workspace::quantities
 };
 
-// Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events the state just
-// before them and just after (begins); the end.
+// Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events, and each other
+// at which the step is split, the state just before and just after (begins); the end.
 class MotionLog {
  public:
   MotionLog() = default;
@@ -41,6 +46,10 @@ class MotionLog {
   void clear() noexcept { count_ = 0; }
   MotionKnot& add() noexcept;  // the next knot; the last one again where there are no more
   void remove() noexcept { count_ -= count_ > 0; }
+  // Marks the latest knot as a corner.
+  void mark_corner() noexcept {
+    if (count_ > 0) knots_[count_ - 1].corner = true;
+  }
 
  private:
   MotionKnot* knots_ = nullptr;

@@ -17,9 +17,13 @@ struct TableLookup {
 // Of all laws of a valid model, in their order.
 std::vector<TableLookup> list_table_lookups(const Model& model);
 
-// Per law of a valid model, the bodies of the elements that read it, directly or through other laws; without the
-// ground.
-std::vector<std::vector<int>> list_bodies_of_laws(const Model& model);
+// Per law of a valid model, the bodies of the elements that read it; without the ground. kAny: directly or through
+// other laws.
+enum class Reading { kDirect, kAny };
+std::vector<std::vector<int>> list_bodies_of_laws(const Model& model, Reading reading = Reading::kAny);
+
+// The laws that `law` reads, directly or through others, each behind those that it reads; `law` itself is the last.
+std::vector<int> list_laws_behind(const Model& model, int law);
 
 // True if a law of a valid model that some element reads has a table or a branch, at whose corners a step may be split.
 bool has_driving_corners(const Model& model);

@@ -1,0 +1,40 @@
+// Corners at the ends of a sub-step, for the log of the motion (unlatch/motion.h): two pieces of motion that meet at
+// one are not one smooth curve, and no polynomial goes through knots on both sides.
+//
+// Cost: a look at each place of the laws, each table over time and each switch a sub-step, only where motion is logged.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kernel/plan/plan_data.h"
+#include "unlatch/state.h"
+
+namespace unlatch {
+
+// The laws of a plan at both ends of a sub-step.
+struct LawCourse {
+  std::span<const double> at_begin, at_end;           // Evaluation::law_places
+  std::span<const std::int32_t> from_begin, decided;  // branches of its stages; those at its end
+};
+
+struct CornerMarks {
+  bool at_begin = false, at_end = false;  // both for a corner inside: the sub-step was not split there
+  bool jumps = false;                     // at the end a law decides otherwise than in the stages before it
+  [[nodiscard]] bool any() const { return at_begin || at_end; }
+};
+
+// Of a sub-step from `begin` to `end`. Laws that forces read are split at their corners, but for tables that are finer
+// than the step; those that only outputs read are not, nor are tables over time and switches. `state`: of its end, but
+// before its events.
+CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
+                         const LawCourse& course) noexcept;
+// Those of tables over time and of switches alone.
+CornerMarks mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept;
+
+// Gives the laws that jump at the end of the sub-step the branches of its stages. `branches`: Evaluation::branches, of
+// its end.
+void hold_branches(const PlanData& plan, double begin, double end, const LawCourse& course,
+                   std::span<std::int32_t> branches) noexcept;
+
+}  // namespace unlatch

@@ -1,0 +1,120 @@
+// Greatest values of a run whose forces jump, or turn, at a tick or within a step: each piece of the motion counts by
+// itself, and no polynomial goes through knots on both sides.
+#include <cmath>
+#include <cstring>
+
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kExact = 1e-9;  // relative, of forces that are linear in time between their corners
+
+struct Pushed {
+  const char* what;
+  const char* tables;   // of the scenario
+  const char* profile;  // of the force, N
+  double greatest;      // N
+};
+
+// A block that a weld holds against the force, and a free one that it pushes.
+std::string push(const Pushed& by, const char* dt) {
+  return std::string("unlatch: 1\nname: corners\nstep: {dt: ") + dt +
+         ", until: 1 s}\n"
+         "bodies:\n  held: {mass: 2, inertia: [1, 1, 1]}\n  free: {mass: 2, inertia: [1, 1, 1], position: [0, 9, 0], "
+         "velocity: [1, 0, 0]}\n"
+         "joints: {root: {between: [ground, held], modes: {welded: {kind: weld}}}}\n" +
+         by.tables +
+         "quantities:\n  x: {position: {body: free, component: x}}\n  felt: {acceleration: {body: free, component: "
+         "x}}\n"
+         "elements:\n  on_held: {type: force, body: held, frame: world, direction: [1, 0, 0], profile: " +
+         by.profile +
+         "}\n  on_free: {type: force, body: free, frame: world, direction: [1, 0, 0], profile: " + by.profile +
+         "}\n"
+         "requirements:\n"
+         "  - {id: held, reaction: {joint: root, row: x}, take: peak, at_most: 1000 N}\n"
+         "  - {id: felt, quantity: felt, at_most: 1000 m/s2}\n";
+}
+
+const Pushed kPushed[] = {
+    {"a jump up within a step", "", "{expression: \"if_less(time, 0.5037 s, 1 N, 3 N)\"}", 3},
+    {"a jump down within a step", "", "{expression: \"if_less(time, 0.5037 s, 3 N, 1 N)\"}", 3},
+    {"a jump up at a tick", "", "{expression: \"if_less(time, 0.5 s, 1 N, 3 N)\"}", 3},
+    {"a jump down at a tick", "", "{expression: \"if_less(time, 0.5 s, 3 N, 1 N)\"}", 3},
+    {"a jump at a place", "", "{expression: \"if_less(x, 0.3 m, 1 N, 3 N)\"}", 3},
+    {"a ramp shorter than a step",
+     "tables: {tab: {axes: {s: {at: [0, 0.5037, 0.5052, 1], unit: s}}, values: [1, 1, 3, 3], unit: N}}\n",
+     "{expression: tab(time)}", 3},
+    {"a ramp from tick to tick",
+     "tables: {tab: {axes: {s: {at: [0, 0.5, 0.52, 1], unit: s}}, values: [1, 1, 3, 3], unit: N}}\n",
+     "{expression: tab(time)}", 3},
+    {"a peak within a step", "tables: {tab: {axes: {s: {at: [0, 0.5037, 1], unit: s}}, values: [1, 3, 2], unit: N}}\n",
+     "{expression: tab(time)}", 3},
+    {"a limit", "", "{expression: \"min(3 N, 1 N + 8 N/s * max(0 s, time - 0.3037 s))\"}", 3},
+    {"a profile's ramp shorter than a step", "", "{table: {times: [0, 0.5037, 0.5052, 1], values: [1, 1, 3, 3]}}", 3},
+    {"a profile's ramp from tick to tick", "", "{table: {times: [0, 0.5, 0.52, 1], values: [1, 1, 3, 3]}}", 3},
+};
+
+TEST(Corners, GreatestReactionsAndAccelerationsAreThoseOfThePieces) {
+  for (const Pushed& by : kPushed)
+    for (const char* dt : {"20 ms", "10 ms", "1 ms"}) {
+      const AnalysedRun run(push(by, dt));
+      EXPECT_NEAR(std::abs(run.analysis.get_peak(0, kX).value), by.greatest, kExact) << by.what << ", " << dt;
+      EXPECT_NEAR(std::abs(run.judge("held").value), by.greatest, kExact) << by.what << ", " << dt;
+      EXPECT_NEAR(run.judge("felt").value, by.greatest / 2, kExact) << by.what << ", " << dt;
+      for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+        if (notice.name != "profile")
+          ADD_FAILURE() << by.what << ", " << dt << ": " << notice.name << " " << notice.text;
+    }
+}
+
+// What the weld holds, just before and just after a jump that a step is split at, and that lies on a tick.
+TEST(Corners, AJumpHasItsValuesOnBothSides) {
+  for (const char* when : {"0.5", "0.5037"}) {
+    const std::string law = std::string("{expression: \"if_less(time, ") + when + " s, 1 N, 3 N)\"}";
+    const hil::Scenario scenario = hil::load_scenario_text(push({"", "", law.c_str(), 3}, "10 ms"), "corners.yaml");
+    const auto simulation = hil::build_simulation(scenario);
+    simulation->keep_motion();
+    std::vector<double> forces;
+    while (simulation->get_tick() < 60) {
+      ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+      for (const MotionKnot& knot : simulation->get_motion())
+        if (std::abs(knot.time - std::atof(when)) < 1e-9) forces.push_back(std::abs(knot.multipliers[kX]));
+    }
+    ASSERT_EQ(forces.size(), 2u) << when;
+    EXPECT_NEAR(forces[0], 1, kExact) << when;
+    EXPECT_NEAR(forces[1], 3, kExact) << when;
+  }
+}
+
+// The same bits with and without a log of the motion, which evaluates a jump's end once more.
+TEST(Corners, LoggingThemChangesNoBit) {
+  for (const Pushed& by : kPushed) {
+    const hil::Scenario scenario = hil::load_scenario_text(push(by, "10 ms"), "corners.yaml");
+    const auto alone = hil::build_simulation(scenario), logged = hil::build_simulation(scenario);
+    logged->keep_motion();
+    while (alone->get_tick() < 100) {
+      ASSERT_EQ(alone->step().status, StepStatus::kOk);
+      ASSERT_EQ(logged->step().status, StepStatus::kOk);
+      ASSERT_EQ(alone->calc_hash(), logged->calc_hash()) << by.what;
+      const auto a = alone->workspace().quantities, b = logged->workspace().quantities;
+      ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size_bytes()), 0) << by.what << alone->get_tick();
+    }
+  }
+}
+
+// A law that no force reads is not located, but the polynomial through its values does not pass its jump either.
+TEST(Corners, OfALawThatNoForceReadsLeaveItsGreatestValueAsItIs) {
+  for (const char* law :
+       {"if_less(x, 0.3 m, 1, 3)", "if_less(x, 0.3 m, 3, 1)", "min(3, 1 + 100 / m * max(0 m, x - 0.3 m))"}) {
+    const AnalysedRun run(
+        std::string("unlatch: 1\nname: read\nstep: {dt: 10 ms, until: 1 s}\nbodies: {b: {mass: 2, inertia: [1, 1, 1], "
+                    "velocity: [0.7, 0, 0]}}\nquantities:\n  x: {position: {body: b, component: x}}\n  seen: "
+                    "{expression: \"") +
+        law + "\"}\nrequirements:\n  - {id: seen, quantity: seen, at_most: 9}\n");
+    EXPECT_NEAR(run.judge("seen").value, 3, kExact) << law;
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test
