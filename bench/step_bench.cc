@@ -73,7 +73,8 @@ void repeat_bare_steps(benchmark::State& bench, const Model& model, int tick) {
   for (auto _ : bench) {
     int node = steps < kWindow ? kNone : evaluate_state(bare);
     steps = steps < kWindow ? steps + 1 : 1;
-    const SubstepStart start = begin_substep(bare.data(), 0, bare.evaluation());
+    const SubstepStart start =
+        begin_substep({bare.data(), inputs, bare.state, 0}, Contacts::kExplicit, bare.evaluation());
     if (node == kNone) node = integrate({bare.data(), inputs, bare.state, 0}, start, h, bare.evaluation());
     if (node == kNone) node = evaluate({bare.data(), inputs, bare.state, h}, Changed::kVelocities, bare.evaluation());
     if (node != kNone) bench.SkipWithError("a pivot vanished");

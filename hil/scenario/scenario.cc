@@ -12,6 +12,7 @@
 #include "hil/scenario/sections/scenario_reader.h"
 #include "hil/scenario/text/number_text.h"
 #include "hil/scenario/yaml/yaml_override.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch::hil {
 namespace {
@@ -267,6 +268,14 @@ void ScenarioReader::read_step(YamlMap& top) {
   if (const YamlNode* parts = map.find("contact_substeps"); parts && !(parts->is_scalar() && parts->text == "auto"))
     model_.contact_substeps =
         static_cast<int>(read_bounded(map, get_number_key("scenario.step.contact_substeps"), 1.0, mistakes_));
+  const int refinement =
+      static_cast<int>(read_bounded(map, get_number_key("scenario.step.contact_refinement"), 1.0, mistakes_));
+  if (has_automatic_parts(model_.contact_substeps))
+    model_.contact_substeps = make_automatic_substeps(refinement);
+  else if (refinement != 1)
+    mistakes_.add(map.find("contact_refinement")->mark,
+                  "this refinement is of automatic parts, and their number is given",
+                  "leave out contact_substeps, or this");
   map.finish();
   if (mistakes_.count() != before) return;
   const auto mark = [&](const char* key) { return node->find(key)->mark; };

@@ -299,9 +299,9 @@ void update_tolerances(Run& run) {
 
 }  // namespace
 
-Reached advance_to_event(Run& run, double now, double target, bool may_split) noexcept {
+Reached advance_to_event(Run& run, double now, double target, Contacts contacts, bool may_split) noexcept {
   keep_low(run);
-  const SubstepStart start = begin_substep(run.plan, now, run.ev());
+  const SubstepStart start = begin_substep(run.get_instant(now), contacts, run.ev());
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);

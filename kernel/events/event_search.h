@@ -13,6 +13,7 @@
 // Cost: one sub-step where nothing crosses; two or three more for a smooth guard; at most 24 tries, 8 more for touches.
 #pragma once
 
+#include "kernel/integration/integrator.h"
 #include "kernel/integration/run.h"
 
 namespace unlatch {
@@ -30,6 +31,6 @@ struct Reached {
 // corner of a law before it.
 // Leaves the evaluation of that time, guards included; the state does not change. Without `may_split` crossings are
 // counted as postponed. Adds to the report what the search left open.
-Reached advance_to_event(Run& run, double now, double target, bool may_split) noexcept;
+Reached advance_to_event(Run& run, double now, double target, Contacts contacts, bool may_split) noexcept;
 
 }  // namespace unlatch

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "unlatch/model/contact_substeps.h"
+
 namespace unlatch {
 
 void PlanCheck::check_numbers() {
@@ -24,8 +26,8 @@ void PlanCheck::check_numbers() {
   if (!good_) return;
   require(plan_.rigid == (plan_.flexible.empty() && plan_.varying.empty()));
   require(plan_.plain == (plan_.rigid && !plan_.environment.exists));
-  require(plan_.contact_substeps == kAutomaticSubsteps ||
-          (plan_.contact_substeps >= 1 && plan_.contact_substeps <= kMaxContactSubsteps));
+  require(plan_.contact_substeps >= -kMaxContactRefinement && plan_.contact_substeps != -1 &&
+          plan_.contact_substeps <= kMaxContactSubsteps);
   require(plan_.channel_count >= 0 && at(plan_.channel_count) == plan_.initial_commands.size());
   require_range(0, plan_.quantity_count, plan_.quantities.size());
   require_range(0, plan_.driven_coordinates, plan_.coordinates.size());

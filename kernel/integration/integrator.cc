@@ -169,6 +169,23 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
   return project({plan, now.inputs, now.state, end}, start, ev);
 }
 
+// ROS34PW2, see kernel/integration/contact_stages.h.
+int integrate_contacts(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  const double h = end - start.t;
+  ContactStages stages(plan, start.contacts, h, ev);
+  stages.begin();
+  for (int i = 1; i < ContactStages::kCount; ++i) {
+    const bool last = i + 1 == ContactStages::kCount;
+    const double t = last ? end : start.t + h * ContactStages::get_time(i);
+    const Instant stage{plan, now.inputs, now.state, t, {}, Branches::kHold};
+    if (const int node = evaluate_stage(stage, Loads::kUpdate, start, ev); node != kNone) return node;
+    if (!last && !plan.laws.corners.empty()) keep_middle_places(ev);  // at last those of 0.73 h
+    stages.finish(i);
+  }
+  return project({plan, now.inputs, now.state, end}, start, ev);
+}
+
 // Only forces have changed: the factor is used again.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
@@ -238,17 +255,24 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
   return node;
 }
 
-SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
+SubstepStart begin_substep(const Instant& now, Contacts contacts, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
   get_kernels(plan).begin_substep(plan, ev);
   keep_cluster_rows(ev);
   std::copy_n(ev.branches.begin(), ev.branches.size(), ev.branches_at_start.begin());
-  return {t, ev.loop_count - ev.loop_redundant, get_independent_rigid_rows(ev)};
+  SubstepStart start;  // most of its rows are never used
+  start.t = now.t;
+  start.independent_rows = ev.loop_count - ev.loop_redundant;
+  start.rigid_rows = get_independent_rigid_rows(ev);
+  if (contacts == Contacts::kImplicit) begin_contact_rows(now, ev, start.contacts);
+  return start;
 }
 
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept {
   const double h = end - start.t;
   std::copy_n(ev.branches_at_start.begin(), ev.branches.size(), ev.branches.begin());
   if (is_stiff(now.plan, now.state, start.t + 0.5 * h)) return integrate_implicitly(now, start, end, ev);
+  if (start.contacts.count > 0) return integrate_contacts(now, start, end, ev);
   const Instant middle{now.plan, now.inputs, now.state, start.t + 0.5 * h, {}, Branches::kHold};
   const Instant last{now.plan, now.inputs, now.state, end, {}, Branches::kHold};
   return integrate_explicitly(middle, last, start, ev);

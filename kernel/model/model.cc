@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "unlatch/model/contact_substeps.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch {
@@ -105,7 +106,7 @@ Model complete_events(const Model& model) {
 }
 
 int get_most_contact_substeps(const Model& model) {
-  return model.contact_substeps == kAutomaticSubsteps ? kMaxAutomaticSubsteps : model.contact_substeps;
+  return has_automatic_parts(model.contact_substeps) ? kMaxAutomaticSubsteps : model.contact_substeps;
 }
 
 }  // namespace unlatch

@@ -3,6 +3,7 @@
 
 #include "kernel/model/validate.h"
 #include "unlatch/geometry.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch {
 namespace {
@@ -55,9 +56,11 @@ void check_shape_pair(const Model& model, const std::string& where, int a, int b
 void validate_surfaces(const Model& model, ModelErrors& errors) {
   validate_shapes(model, errors);
   const int parts = model.contact_substeps;
-  if (parts != kAutomaticSubsteps && (parts < 1 || parts > kMaxContactSubsteps))
+  if (parts < -kMaxContactRefinement || parts == -1 || parts > kMaxContactSubsteps)
     errors.push_back({"model", "contact_substeps is " + std::to_string(parts),
-                      "1 to " + std::to_string(kMaxContactSubsteps) + ", or automatic", "contact_substeps"});
+                      "1 to " + std::to_string(kMaxContactSubsteps) + ", 0: automatic, or -2 to " +
+                          std::to_string(-kMaxContactRefinement) + ": automatic and so many times as fine",
+                      "contact_substeps"});
 }
 
 }  // namespace unlatch

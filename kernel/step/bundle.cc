@@ -160,7 +160,7 @@ class SideBySide {
     std::copy(ev_.pair_rates.begin(), ev_.pair_rates.end(), search_.rates_low.begin());
     std::copy_n(ev_.law_places.begin(), search_.places_low.size(), search_.places_low.begin());
     const Instant end = get_instant(end_);
-    const SubstepStart start = begin_substep(plan_, begin_, ev_);
+    const SubstepStart start = begin_substep(get_instant(begin_), Contacts::kExplicit, ev_);
     if (integrate(end, start, end_, ev_) != kNone || evaluate(end, Changed::kVelocities, ev_) != kNone) return false;
     update_guards(end, ev_, search_.stack);
     for (std::size_t m = 0; m < runs_.size(); ++m) stays_[m] = stays_[m] && passes_quietly(m);

@@ -5,6 +5,7 @@
 
 #include "kernel/events/corners.h"
 #include "kernel/plan/plan_data.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch {
 namespace {
@@ -12,9 +13,9 @@ namespace {
 // Number of knots: beginning and end of the step, and two for each instant between; these are its splits at events and
 // at corners, its beginning, and the ends of the parts into which closed contacts cut it.
 std::size_t count_knots(const PlanData& plan) {
-  const std::size_t parts = plan.contacts.empty()                         ? 1
-                            : plan.contact_substeps == kAutomaticSubsteps ? at(kMaxAutomaticSubsteps)
-                                                                          : at(plan.contact_substeps);
+  const std::size_t parts = plan.contacts.empty()                        ? 1
+                            : has_automatic_parts(plan.contact_substeps) ? at(kMaxAutomaticSubsteps)
+                                                                         : at(plan.contact_substeps);
   return 2 * (at(plan.options.max_splits) + at(kMostCornerSplits) + parts) + 2;
 }
 

@@ -104,9 +104,7 @@ bool act_at(Run& run, double now, std::span<const double> tolerances, Latest lat
 }
 
 // The end of the step; while a contact is closed, the end of the part of the step that begins at `now`.
-double calc_next_stop(const Run& run, double now, double end) {
-  if (run.plan.contacts.empty()) return end;
-  const int parts = count_contact_parts(run.plan, run.state(), now, run.ev());
+double calc_next_stop(const Run& run, int parts, double now, double end) {
   const double slack = run.plan.get_slack(), begin = run.plan.get_time(run.state().header->tick);
   for (int i = 1; i < parts; ++i) {
     const double stop = begin + (end - begin) * (static_cast<double>(i) / parts);
@@ -115,16 +113,22 @@ double calc_next_stop(const Run& run, double now, double end) {
   return end;
 }
 
+ContactParts choose_parts(const Run& run, double now) {
+  return run.plan.contacts.empty() ? ContactParts{} : choose_contact_parts(run.plan, run.state(), now, run.ev());
+}
+
 // Advances from `now` to the end of the step or of its present part, or to the first event or corner of a law before
 // it. Returns the time that is reached; on failure the end of the step.
 double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
-  const double end = calc_next_stop(run, now, step_end);
+  const ContactParts parts = choose_parts(run, now);
+  const double end = calc_next_stop(run, parts.count, now, step_end);
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
   const double target = reaches_due && due < end - slack ? due : end;
-  const Reached reached = advance_to_event(run, now, target, may_split);
+  const Reached reached =
+      advance_to_event(run, now, target, parts.implicit ? Contacts::kImplicit : Contacts::kExplicit, may_split);
   if (reached.time == kFailed) return step_end;
   accept(run);
   if (reached.at_event || (reaches_due && reached.time == target)) {

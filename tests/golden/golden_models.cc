@@ -352,10 +352,10 @@ Model build_tree(std::uint64_t seed, int bodies) {
 }  // namespace
 
 std::vector<GoldenModel> build_golden_models() {
-  return {{build_boosters(), 1e-3, 1500},      {build_array(), 1e-3, 9000},    {build_elements(), 5e-4, 4000},
-          {build_linkage(), 1e-3, 2500},       {build_tree(11, 8), 1e-3, 500}, {build_tree(12, 20), 1e-3, 500},
-          {build_tree(13, 60), 1e-3, 500},     {build_pushers(), 1e-3, 1500},  {build_heap(8), 1e-3, 1500},
-          {build_capsule_in_tube(), 1e-3, 300}};
+  return {{build_boosters(), 1e-3, 1500},       {build_array(), 1e-3, 9000},        {build_elements(), 5e-4, 4000},
+          {build_linkage(), 1e-3, 2500},        {build_tree(11, 8), 1e-3, 500},     {build_tree(12, 20), 1e-3, 500},
+          {build_tree(13, 60), 1e-3, 500},      {build_pushers(), 1e-3, 1500},      {build_heap(8), 1e-3, 1500},
+          {build_capsule_in_tube(), 1e-3, 300}, {build_sticking_block(), 1e-3, 300}};
 }
 
 }  // namespace unlatch::test

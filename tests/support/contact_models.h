@@ -99,6 +99,17 @@ inline Model build_block_on_feet() {
   return model;
 }
 
+// Builds the same block where it bears its weight, on an incline on which it sticks: the slip decays at some 1e6/s.
+inline Model build_sticking_block() {
+  Model model = build_block_on_feet();
+  model.name = "sticking";
+  model.gravity.uniform = {0.125 * kGravity, 0, -kGravity};
+  model.bodies[0].p_WB.z() -= kGravity / 4e4;
+  model.contacts[0].friction = 0.625;
+  model.contacts[0].slip_speed = 1e-5;
+  return model;
+}
+
 // Builds two rotating balls that meet off their line, with friction and damping.
 inline Model build_spinning_pair() {
   Model model;

@@ -14,6 +14,7 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"scenario.step.dt", "s", 1e-06, 1.0, false, false},
     {"scenario.step.until", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.step.contact_substeps", "", 1.0, 64.0, false, true},
+    {"scenario.step.contact_refinement", "", 1.0, 65536.0, false, true},
     {"scenario.gravity.mu", "m3/s2", 0.0, std::numeric_limits<double>::infinity(), false, false},
     {"scenario.planet.radius", "m", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.planet.flattening", "", 0.0, 0.999, false, false},

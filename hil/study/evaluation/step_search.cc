@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "hil/study/evaluation/side_by_side.h"
+#include "hil/study/evaluation/step_settings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -54,13 +55,13 @@ class Search {
   // All flights at a step; those that met the tolerance at a larger one are left out of the smaller ones.
   Results fly(std::int64_t nanoseconds) {
     Results results(flights_.size());
-    const Setting step = make_step_setting(get_seconds(nanoseconds));
+    const std::vector<Setting> step = make_step_settings(evaluator_.tree().get_nominal(), get_seconds(nanoseconds));
     run_shares_side_by_side(flights_.size(), SampleEvaluator::kSideBySide, jobs_, stop_,
                             [&](std::size_t first, std::size_t count) {
                               std::vector<SampleTask> tasks;
                               for (const StepFlight& flight : flights_.subspan(first, count)) {
                                 tasks.push_back({flight.settings});
-                                tasks.back().settings.push_back(step);
+                                tasks.back().settings.insert(tasks.back().settings.end(), step.begin(), step.end());
                               }
                               std::vector<SampleResult> flown = evaluator_.evaluate(tasks, stop_);
                               std::ranges::move(flown, results.begin() + static_cast<std::ptrdiff_t>(first));

@@ -6,6 +6,7 @@ beside this one are theirs. Run by ctest:
 """
 import csv
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -21,6 +22,8 @@ PACKAGE = BIN.parent / "python"
 OBC = BIN / "cases_obc"
 
 TIP_OFF = 0.05247  # rad/s, with 64 to 1024 sub-steps; with one it was 0.0326
+BOX_TURN = 0.551288  # rad, of parts of 1/64 of a step, at 1 ms and at 0.25 ms; those that contacts choose are off by 1.8e-3
+BOX_TURN_ERROR = 1e-5
 TIP_OFF_ERROR = 5e-4  # of the sub-steps chosen by the contact: 1 % of the value; the limit is 0.0349
 
 
@@ -77,6 +80,21 @@ class CasesTest(ProcessTest):
         self.assertLess(low, 0.87)
         self.assertGreater(high, 0.79)
         self.assertGreater(fine["requirements"][0]["failed"], 0.64 * 60)
+
+    def test_an_error_of_the_parts_that_contacts_choose_is_seen_by_accuracy_and_tolerance(self):
+        box = self.folder / "box.yaml"
+
+        def get_turn(report):
+            w, _, _, z = report["samples"][-1]["bodies"]["box"]["q"]
+            return 2 * math.atan2(z, w)
+
+        # Parts that are 16 times as fine, and as fine again with half the step.
+        finest = self.run_json(UNLATCH, "run", box, "--set", "step.contact_refinement=16")
+        self.assertAlmostEqual(get_turn(finest), BOX_TURN, delta=BOX_TURN_ERROR)
+        report = self.run_json(UNLATCH, "run", box, "--accuracy", "1e-3", code=None)
+        error = abs(report["samples"][-1]["bodies"]["box"]["q"][3] - math.sin(BOX_TURN / 2))
+        estimate = next(e for e in report["accuracy"] if e["what"] == "final attitude of box z")
+        self.assertGreater(estimate["error"], 0.8 * error)
 
     # --- Studies -----------------------------------------------------------------------------------------------------
 

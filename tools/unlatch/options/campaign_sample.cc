@@ -1,9 +1,11 @@
 #include "tools/unlatch/options/campaign_sample.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "hil/study/campaign/samples/campaign_step.h"
 #include "hil/study/campaign/samples/runner.h"
+#include "hil/study/evaluation/step_settings.h"
 #include "tools/campaign/campaign_data.h"
 #include "tools/common/text.h"
 #include "tools/program/interrupt.h"
@@ -54,7 +56,9 @@ std::vector<hil::Setting> find_settings(hil::Campaign& campaign, std::int64_t sa
           ? run_together(campaign, evaluator, {{sample, draw_inputs(campaign, sample)}}, catch_interrupts()).at(0)
           : find_record(campaign, sample, results);
   std::vector<hil::Setting> settings = make_settings(campaign, record.inputs);
-  if (has_tolerance) settings.push_back(hil::make_step_setting(get_step(evaluator, record)));
+  if (has_tolerance)
+    std::ranges::move(hil::make_step_settings(campaign.tree->get_nominal(), get_step(evaluator, record)),
+                      std::back_inserter(settings));
   return settings;
 }
 

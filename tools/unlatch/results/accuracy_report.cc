@@ -13,6 +13,7 @@
 #include "hil/run/run.h"
 #include "hil/run/start_growth.h"
 #include "hil/scenario/text/count.h"
+#include "hil/study/evaluation/step_settings.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 #include "tools/program/interrupt.h"
@@ -30,9 +31,8 @@ struct Comparison {
   std::string failure;  // empty if it ended well
 };
 
-Comparison run_at(const ScenarioOptions& options, double dt, double until) {
-  ScenarioOptions other = options;
-  other.dt = dt;
+Comparison run_at(const ScenarioOptions& options, const hil::Scenario& scenario, double dt, double until) {
+  ScenarioOptions other = set_step(options, scenario, dt);
   other.until = until;
   Comparison run{load(other), nullptr, {}, ""};
   run.simulation = hil::build_simulation(run.scenario);
@@ -67,11 +67,13 @@ void print_progress(const char* what, double dt) {
 
 // The largest step that meets the tolerance, tried: from the estimate down by a quarter each time. The trials together
 // may cost as many steps as the three runs of the comparison, so that all of it takes at most twice their time.
-void find_step(const ScenarioOptions& options, double dt, double until, hil::AccuracyReport& accuracy) {
+void find_step(const ScenarioOptions& options, const hil::Scenario& scenario, double until,
+               hil::AccuracyReport& accuracy) {
   constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
   constexpr double kComparison = 1 + 2 + 4;  // steps of the three runs, in those of the first
   constexpr int kTrials = 6;
   constexpr double kMostSteps = 1e12;  // of a run
+  const double dt = scenario.dt;
   double budget = kComparison;
   auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
@@ -86,7 +88,7 @@ void find_step(const ScenarioOptions& options, double dt, double until, hil::Acc
       return;
     }
     print_progress("a trial", whole);
-    const Comparison run = run_at(options, whole, until);
+    const Comparison run = run_at(options, scenario, whole, until);
     if (catch_interrupts()) {
       accuracy.interrupted = true;
       return;
@@ -98,6 +100,14 @@ void find_step(const ScenarioOptions& options, double dt, double until, hil::Acc
 }
 
 }  // namespace
+
+ScenarioOptions set_step(const ScenarioOptions& options, const hil::Scenario& scenario, double step) {
+  ScenarioOptions other = options;
+  other.dt = 0;
+  for (const hil::Setting& setting : hil::make_step_settings(scenario, step))
+    other.overrides.push_back(to_text(setting));
+  return other;
+}
 
 std::string get_full_name(const hil::RunNotice& notice) { return "accuracy." + notice.name; }
 
@@ -111,17 +121,17 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
   hil::AccuracyReport interrupted;
   interrupted.tolerance = tolerance;
   interrupted.interrupted = true;
-  const Comparison half = run_at(options, 0.5 * dt, until);
+  const Comparison half = run_at(options, scenario, 0.5 * dt, until);
   if (catch_interrupts()) return interrupted;
   print_progress("the third of three runs", 0.25 * dt);
-  const Comparison quarter = run_at(options, 0.25 * dt, until);
+  const Comparison quarter = run_at(options, scenario, 0.25 * dt, until);
   if (catch_interrupts()) return interrupted;
   hil::AccuracyReport accuracy = hil::compare_steps(
       scenario, simulation, hil::list_values(scenario, simulation, analysis), half.values, quarter.values);
   if (!half.failure.empty()) accuracy.mismatch = "the run at half the step failed: " + half.failure;
   if (!quarter.failure.empty()) accuracy.mismatch = "the run at a quarter of the step failed: " + quarter.failure;
   accuracy.tolerance = tolerance;
-  if (accuracy.mismatch.empty()) find_step(options, dt, until, accuracy);
+  if (accuracy.mismatch.empty()) find_step(options, scenario, until, accuracy);
   return accuracy;
 }
 
@@ -169,6 +179,13 @@ void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
 }
 
 namespace {
+
+// What a shorter step has beside it, see hil::make_step_settings().
+std::string describe_refinement(double step, double dt) {
+  constexpr double kRounding = 1e-9;  // of the ratio of two steps
+  return step < dt ? format(" (if there are contacts, with contact_refinement %.0f)", std::ceil(dt / step - kRounding))
+                   : "";
+}
 
 // One line for each reason, with the values that it concerns.
 void print_reasons(std::FILE* to, const std::vector<hil::AccuracyEntry>& entries) {
@@ -227,9 +244,9 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
   if (!accuracy.mismatch.empty()) {
     std::fprintf(to, "\n  %s\n", paint(to, Colour::kRed, "the runs differ: " + accuracy.mismatch).c_str());
   } else if (accuracy.step) {
-    std::fprintf(to, "\n  largest step that meets %.3g of each value's size: %.6g s (here %.6g s)%s%s\n",
-                 accuracy.tolerance, *accuracy.step, dt, accuracy.limit.empty() ? "" : ", limited by ",
-                 accuracy.limit.c_str());
+    std::fprintf(to, "\n  largest step that meets %.3g of each value's size: %.6g s%s (here %.6g s)%s%s\n",
+                 accuracy.tolerance, *accuracy.step, describe_refinement(*accuracy.step, dt).c_str(), dt,
+                 accuracy.limit.empty() ? "" : ", limited by ", accuracy.limit.c_str());
   } else {
     std::fprintf(to, "\n  no step was found that meets %.3g of each value's size; %s does not%s\n", accuracy.tolerance,
                  accuracy.limit.c_str(),

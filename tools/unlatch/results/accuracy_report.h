@@ -23,6 +23,10 @@ nlohmann::ordered_json build_accuracy_json(const hil::AccuracyReport& accuracy);
 // Tolerance, largest step, what limits it.
 nlohmann::ordered_json build_step_json(const hil::AccuracyReport& accuracy);
 
+// The options of the scenario at another step, with parts that contacts choose as much finer
+// (hil::make_step_settings()).
+ScenarioOptions set_step(const ScenarioOptions& options, const hil::Scenario& scenario, double step);
+
 // The status and its message of a run that ended well, but is not resolved: "unresolved". True if so.
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message);
 

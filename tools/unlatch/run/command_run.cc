@@ -158,7 +158,7 @@ hil::AccuracyReport choose_step(RunOptions& options) {
   if (end.status != hil::RunStatus::kDone) return accuracy;
   accuracy = measure_accuracy(options.scenario, scenario, *simulation, analysis, tolerance);
   if (accuracy.step) {
-    options.scenario.dt = *accuracy.step;
+    options.scenario = set_step(options.scenario, scenario, *accuracy.step);
     std::fprintf(stderr, "tolerance %g: the step is %.9g s, the scenario's %.9g s\n", tolerance, *accuracy.step,
                  scenario.dt);
   } else {

@@ -1,9 +1,11 @@
 #include "hil/study/campaign/samples/campaign_step.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "hil/study/campaign/campaign_reader.h"
+#include "hil/study/evaluation/step_settings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -55,7 +57,8 @@ bool choose_step(Campaign& campaign, int jobs, const std::atomic<bool>& stop) {
 
 void set_step(Campaign& campaign, double step) {
   std::vector<std::string> overrides = campaign.tree->get_nominal().overrides;
-  overrides.push_back(to_text(make_step_setting(step)));
+  for (const Setting& setting : make_step_settings(campaign.tree->get_nominal(), step))
+    overrides.push_back(to_text(setting));
   campaign.tree = std::make_shared<ScenarioTree>(campaign.scenario, overrides);
 }
 
@@ -74,7 +77,7 @@ void check_step(const Campaign& campaign, const SampleEvaluator& evaluator, cons
     const std::optional<double> half = halve_step(step);
     if (!half || halving > kMostHalvings) break;
     std::vector<Setting> finer = settings;
-    finer.push_back(make_step_setting(*half));
+    std::ranges::move(make_step_settings(campaign.tree->get_nominal(), *half), std::back_inserter(finer));
     SampleResult result = evaluator.evaluate(finer, stop);
     if (result.status == SampleStatus::kInterrupted) {
       record.result = std::move(result);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "hil/scenario/base/philox.h"
 #include "hil/study/campaign/samples/campaign_step.h"
+#include "hil/study/evaluation/step_settings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -54,7 +56,8 @@ std::vector<StepFlight> list_flights(const OptimizeProblem& problem) {
 }
 
 void set_step(OptimizeProblem& problem, double step) {
-  problem.overrides.push_back(to_text(make_step_setting(step)));
+  for (const Setting& setting : make_step_settings(problem.tree->get_nominal(), step))
+    problem.overrides.push_back(to_text(setting));
   problem.tree = std::make_shared<ScenarioTree>(problem.scenario, problem.overrides);
   problem.evaluator = std::make_shared<SampleEvaluator>(*problem.tree);
   if (!problem.campaign) return;
@@ -89,7 +92,7 @@ std::optional<double> calc_step_error(const OptimizeProblem& problem, const Opti
   if (!half) return std::nullopt;
   std::vector<Setting> settings = make_settings(problem, point);
   const SampleResult coarse = problem.evaluator->evaluate(settings, stop);
-  settings.push_back(make_step_setting(*half));
+  std::ranges::move(make_step_settings(problem.tree->get_nominal(), *half), std::back_inserter(settings));
   const SampleResult fine = problem.evaluator->evaluate(settings, stop);
   if (stop) return std::nullopt;
   return 2 * list_judged(problem).compare(coarse, fine).size;

@@ -153,6 +153,16 @@ PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& 
   return out;
 }
 
+PairSlopes calc_slopes(const PlanContact& contact, const ClosedPair& pair, double scale) noexcept {
+  const double damped = 1 + contact.damping * pair.rate;
+  if (!(pair.depth > 0 && damped > 0)) return {};
+  const double steep = scale * contact.stiffness * (contact.hertzian ? std::sqrt(pair.depth) : 1);
+  const double elastic = steep * pair.depth;
+  const double slip = norm(pair.slip), speed = contact.slip_speed, size = std::sqrt(slip * slip + speed * speed);
+  const double across = contact.friction * (elastic * damped) / size, bend = speed / size;
+  return {steep * (contact.hertzian ? 1.5 : 1) * damped, elastic * contact.damping, across * (bend * bend), across};
+}
+
 double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
                                const MovingFrame& follower, double rate, double step) noexcept {
   constexpr double kMoment = 0.01;  // of the step

@@ -32,6 +32,13 @@ struct PairForce {
 PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& distance, const BodyFrame& base,
                           const BodyFrame& follower, double scale) noexcept;
 
+// How the force of a closed pair changes, of the friction without what follows from the depth. N/m of depth; N s/m of
+// its rate, of the slip along itself, and of slip across it.
+struct PairSlopes {
+  double stiffness = 0, damping = 0, along = 0, across = 0;
+};
+PairSlopes calc_slopes(const PlanContact& contact, const ClosedPair& pair, double scale) noexcept;
+
 // A body and the acceleration of its origin.
 struct MovingFrame {
   BodyFrame frame;

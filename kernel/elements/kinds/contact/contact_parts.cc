@@ -6,6 +6,7 @@
 #include "kernel/elements/kinds/contact/contact.h"
 #include "kernel/elements/kinds/load.h"
 #include "unlatch/elementary.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch {
 namespace {
@@ -14,10 +15,16 @@ namespace {
 // together, whose rates add up where they hold one body (RK4 is stable to 2.8).
 constexpr double kBlow = 0.2, kSettled = 1.0, kStable = 2.0;
 
+// An implicit part errs by a part of (ω h)³ of the vibration, of which so much of the depth is allowed, and by the
+// third power of the change of its slip, which may be so much of what an explicit part's may.
+constexpr double kImplicitVibration = 1e-5, kImplicitChange = 0.25;
+// An implicit part costs as much as so many explicit ones.
+constexpr int kImplicitCost = 2;
+
 // Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay at the least slip of the part; and the
-// parts per second that it needs.
+// parts per second that it needs, explicit and implicit ones.
 struct PairRates {
-  double omega = 0, damping = 0, slip = 0, parts = 0;
+  double omega = 0, damping = 0, slip = 0, parts = 0, implicit_parts = 0;
 };
 
 // Acceleration of a carrier, of its origin, W.
@@ -26,11 +33,23 @@ Spatial get_acceleration(const PlanShapes& shapes, const Evaluation& ev) {
   return ev.get_acceleration(shapes.body);
 }
 
-// The longest part, in 1 / rate. RK4's error of a blow is some (ω h)⁴/120 of the vibration, which may be as large as
-// the depth while shapes meet and part, and is small beside it once they rest on each other or slide.
-double calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates, const ClosedPair& pair,
-                    const BodyFrame& base, const BodyFrame& follower, const Evaluation& ev) {
-  if (!plan.rigid || !(rates.omega > 0)) return kBlow;  // accelerations of markers are not known before the readings
+// The longest parts, in 1 / rate.
+struct Longest {
+  double explicit_part, implicit_part;
+};
+
+// ω h ≤ ∛(depth / vibration · kImplicitVibration).
+double calc_implicit_part(double vibration, double depth) {
+  constexpr double kMost = 1e3;
+  const double cube = kImplicitVibration * depth / vibration;
+  return cube < kMost * kMost * kMost ? elementary::exp(elementary::log(std::max(cube, 1e-300)) / 3) : kMost;
+}
+
+// RK4's error of a blow is some (ω h)⁴/120 of the vibration, which may be as large as the depth while shapes meet and
+// part, and is small beside it once they rest on each other or slide.
+Longest calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates, const ClosedPair& pair,
+                     const BodyFrame& base, const BodyFrame& follower, const Evaluation& ev) {
+  if (!plan.rigid || !(rates.omega > 0)) return {kBlow, kBlow};  // accelerations of markers are not known yet
   const PlanContact& contact = plan.contacts[at(plan.contact_pairs[i].contact)];
   const double second = calc_depth_acceleration(
       plan, plan.contact_pairs[i], {base, get_acceleration(plan.shapes[at(contact.base)], ev)},
@@ -38,9 +57,10 @@ double calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates,
   const double fast = pair.rate / rates.omega, bent = second / (rates.omega * rates.omega);
   const double vibration = std::sqrt(fast * fast + bent * bent),
                depth = std::sqrt(pair.depth * pair.depth + fast * fast);
+  const double implicit_part = calc_implicit_part(vibration, depth);
   constexpr double kLeast = (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled);
-  if (!(vibration > kLeast * depth)) return kSettled;
-  return kBlow * std::max(1.0, std::sqrt(std::sqrt(depth / vibration)));
+  if (!(vibration > kLeast * depth)) return {kSettled, implicit_part};
+  return {kBlow * std::max(1.0, std::sqrt(std::sqrt(depth / vibration))), implicit_part};
 }
 
 // Mobility of a carrier, 1/kg: acceleration along the unit vector u of its material at a point, per force along u
@@ -108,38 +128,62 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
     const double along = std::max(calc(t), calc(cross(pair.normal, t)));
     const double change = calc_slip_change(norm(pair.slip), contact.slip_speed);
     const double braking = contact.friction * blow.force * along;  // m/s²
+    const double gaining = norm(relative + gained * pair.normal);
     out.slip = braking / change;
-    out.parts = std::max(braking, norm(relative + gained * pair.normal)) / change;
+    out.parts = std::max(braking, gaining) / change;
+    out.implicit_parts = gaining / (kImplicitChange * change);
   }
   const double fast = std::max(out.omega, out.damping);
   const bool needs_parts = fast * plan.options.dt > kBlow;
-  const double longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : kBlow;
-  out.parts = std::max(fast / longest, out.parts);
+  const Longest longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : Longest{kBlow, kBlow};
+  out.parts = std::max(fast / longest.explicit_part, out.parts);
+  out.implicit_parts = std::max(fast / longest.implicit_part, out.implicit_parts);
   return out;
+}
+
+// True if there is room for implicit parts, and no springs of joints, modes, masses that burn or rigid contacts have a
+// method of their own.
+bool has_room(const PlanData& plan) {
+  return plan.rigid && plan.compliant.empty() && plan.rigid_pairs == 0 && plan.bodies.size() <= kMostImplicitBodies &&
+         plan.initial_auxiliary.size() <= kMostImplicitAuxiliary;
+}
+
+// The least power of two that is as many as needed.
+std::int32_t count_parts(double needed) {
+  std::int32_t parts = 1;
+  while (parts < kMaxAutomaticSubsteps && needed > parts) parts *= 2;
+  return parts;
 }
 
 }  // namespace
 
-int count_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
-  double most = 0, square = 0, damping = 0, slip = 0;
+ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
+  double most = 0, implicit_most = 0, square = 0, damping = 0, slip = 0;
+  std::size_t closed = 0;
   for (const PlanContact& contact : plan.contacts) {
     if (contact.rigid) continue;  // smooth while it is closed
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
-      if (plan.contact_substeps != kAutomaticSubsteps) return plan.contact_substeps;
+      if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false};
       const double scale = calc_scale(state.elements[at(contact.element)], t);
       if (!(scale > 0)) continue;
       const PairRates own = calc_rates(plan, i, contact, scale, ev);
+      ++closed;
       most = std::max(most, own.parts);
+      implicit_most = std::max(implicit_most, own.implicit_parts);
       square += own.omega * own.omega;
       damping += own.damping;
       slip += own.slip;
     }
   }
-  const double fastest = std::max(most, std::max(std::sqrt(square), std::max(damping, slip)) / kStable);
-  int parts = 1;
-  while (parts < kMaxAutomaticSubsteps && plan.options.dt * fastest > parts) parts *= 2;
-  return parts;
+  const double stable = std::max(std::sqrt(square), std::max(damping, slip)) / kStable;
+  const double refined = get_contact_refinement(plan.contact_substeps) * plan.options.dt;
+  const std::int32_t parts = count_parts(refined * std::max(most, stable)),
+                     implicit_parts = count_parts(refined * implicit_most);
+  const bool may_be_implicit = closed > 0 && closed <= kMostImplicitPairs && has_room(plan);
+  const bool is_unstable = plan.options.dt * stable > kMaxAutomaticSubsteps;  // with explicit parts
+  if (may_be_implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true};
+  return {parts, false};
 }
 
 }  // namespace unlatch

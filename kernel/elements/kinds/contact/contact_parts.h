@@ -6,25 +6,38 @@
 //
 //   blow      √(dF/dδ · m⁻¹) at the depth that the present depth and approach speed lead to: k δⁿ⁺¹/(n + 1) = elastic
 //             energy now + ½ m v²; and the damping there, k δⁿ d m⁻¹
-//   friction  μ F m⁻¹, F the force at that depth, or the present acceleration of the slip, over the slip that may be left
+//   friction  μ F m⁻¹, F the force at that depth, or the present acceleration of the slip, over the slip that may be
+//   left
 //             at the part's end
 //
 // A blow is resolved within 0.2 of its rate; a vibration that is a small part of the depth, less finely: what the
 // method errs by is a part of the vibration (THEORY.md).
 //
+// A model may ask for automatic parts that are so many times as fine (unlatch/model/contact_substeps.h).
+//
 // Where even kMaxAutomaticSubsteps parts do not resolve a pair, the step goes on with so many; hil's notices report it.
 #pragma once
 
 #include "kernel/elements/instant.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch {
 
+// How a step goes on while contacts are closed.
+struct ContactParts {
+  std::int32_t count = 1;  // parts into which the step is cut
+  bool implicit = false;   // the next one is implicit in the forces of contacts (kernel/integration/contact_stages.h)
+};
+
+// The most closed pairs, bodies and auxiliary states of systems with implicit parts: for so many there is room.
+inline constexpr std::size_t kMostImplicitPairs = 8, kMostImplicitBodies = 16, kMostImplicitAuxiliary = 96;
+
 // Parts of the step that begins at the present state, `ev` being its evaluation: 1 if no contact is closed.
-int count_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept;
+ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept;
 
 // The smallest number of parts into which a closed contact can cut a step.
 inline int get_fewest_parts(const PlanData& plan) {
-  return plan.contact_substeps == kAutomaticSubsteps ? 1 : plan.contact_substeps;
+  return has_automatic_parts(plan.contact_substeps) ? 1 : plan.contact_substeps;
 }
 
 }  // namespace unlatch
