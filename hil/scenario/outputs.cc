@@ -8,6 +8,7 @@
 
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/text/suggestion.h"
+#include "hil/scenario/text/wildcard.h"
 #include "unlatch/quantities.h"
 #include "unlatch/readings.h"
 
@@ -194,26 +195,6 @@ class List {
   std::size_t values_ = 0;
   std::set<std::string> names_{"tick", "t", "events"};
 };
-
-// Matches a text; * stands for any characters, or for none.
-bool matches_text(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0, t = 0, star = std::string_view::npos, resume = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      resume = t;
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++resume;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', p) == std::string_view::npos;
-}
 
 std::string_view without_group(const std::string& name) { return std::string_view(name).substr(name.find('.') + 1); }
 

@@ -27,12 +27,14 @@ namespace {
 
 Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::string& file,
                    std::vector<std::string> overrides, Mistakes& mistakes, KnownStructures* structures = nullptr,
-                   const Scenario* like = nullptr) {
+                   const Scenario* like = nullptr, ScenarioRecord* record = nullptr) {
   Scenario scenario;
   scenario.file = file;
   scenario.overrides = std::move(overrides);
   KnownStructures own;
-  ScenarioReader(scenario, sources, mistakes, structures != nullptr ? *structures : own, like).read(root);
+  ScenarioReader reader(scenario, sources, mistakes, structures != nullptr ? *structures : own, like);
+  reader.read(root);
+  if (record != nullptr) *record = reader.take_record();
   mistakes.throw_if_any();
   scenario.text = sources.join();
   scenario.files = mistakes.files();
@@ -140,6 +142,15 @@ std::string describe_absence(const FlightSoftware& flight_software, const std::s
          ": its channels keep their initial values";
 }
 
+ScenarioRecord load_record(const Scenario& scenario) {
+  Files files(ScenarioSources(scenario.text, ""), scenario.file);
+  apply_overrides(scenario.overrides, files.root, files.mistakes);
+  files.mistakes.keep_numbers();
+  ScenarioRecord record;
+  read_tree(files.root, files.sources, files.file, scenario.overrides, files.mistakes, nullptr, nullptr, &record);
+  return record;
+}
+
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   return load_sources(open_sources(path), get_shown_name(path), overrides);
 }
@@ -233,6 +244,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_timing(top);
   read_sensor_delays();
   for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);
+  read_basis(top, root);
   top.finish();
   report_physics();
 }

@@ -212,7 +212,7 @@ int main(int count, char** arguments) {
   const fs::path folder(arguments[1]);
   for (const char* target :
        {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults", "modes", "csv",
-        "expression", "calculix", "lcm", "udp", "uart", "campaign", "fmu", "plan_image"}) {
+        "expression", "calculix", "lcm", "udp", "uart", "campaign", "requirements", "fmu", "plan_image"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }

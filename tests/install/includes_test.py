@@ -18,8 +18,8 @@ HIL = ("scenario/base", "session/messages", "scenario/text", "scenario/yaml", "s
        "study/optimize")  # lowest first
 HIL_GROUPS = ("scenario", "run", "session", "study")
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first
-TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "optimize", "dossier",
-         "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
+TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "optimize", "requirements", "dossier",
+         "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/dossier", "unlatch/files",
          "unlatch", "mpi")  # lowest first
 BRIDGE = ("schema", "participant", "target", "stacks", "core", "udp", "uart", "lcm", "dds", "telemetry")  # lowest first
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)

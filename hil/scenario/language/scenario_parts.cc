@@ -153,8 +153,8 @@ class Includer {
 
 const std::vector<std::string>& shared_sections() {
   static const std::vector<std::string> names{
-      "constants", "bodies",   "joints", "elements", "channels",     "sensors",   "signals",   "events",
-      "clearance", "contacts", "points", "stops",    "requirements", "templates", "instances", "quantities"};
+      "constants", "bodies", "joints", "elements",     "channels",  "sensors",   "signals",    "events", "clearance",
+      "contacts",  "points", "stops",  "requirements", "templates", "instances", "quantities", "basis"};
   return names;
 }
 

@@ -46,6 +46,10 @@ void ScenarioReader::read_requirement(const YamlNode& node) {
   YamlMap map(node, "a requirement", mistakes_);
   if (const YamlNode* id = map.require("id")) requirement.id = read_name(*id, mistakes_);
   if (const YamlNode* text = map.find("text")) requirement.text = read_text(*text, mistakes_);
+  RequirementOrigin origin;
+  if (const YamlNode* parent = map.find("parent")) origin.parent = read_text(*parent, mistakes_);
+  if (const YamlNode* rationale = map.find("rationale")) origin.rationale = read_text(*rationale, mistakes_);
+  record_.requirements.push_back(std::move(origin));
   const std::string where = "requirement '" + requirement.id + "'";
   if (nodes_.count(where) > 0) mistakes_.add(node.mark, "a second " + where, "give each an id of its own");
   read_item_at(where, node, [&] {

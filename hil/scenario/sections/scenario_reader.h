@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/scenario/flexible/flexible_body.h"
+#include "hil/scenario/language/record.h"
 #include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/yaml/yaml_reader.h"
@@ -25,6 +26,8 @@ class ScenarioReader {
   ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, KnownStructures& structures,
                  const Scenario* like = nullptr);
   void read(const YamlNode& root);
+  // What it says about itself; only if the mistakes keep numbers.
+  ScenarioRecord take_record() { return std::move(record_); }
 
  private:
   // Top level.
@@ -207,6 +210,12 @@ class ScenarioReader {
   void read_requirement_limit(YamlMap& map, Requirement& to);
   EventName read_event_name(const YamlNode& node);
 
+  // Basis of values.
+  void read_basis(YamlMap& top, const YamlNode& root);
+  void read_basis_entry(const YamlNode& node, const YamlNode& root);
+  void read_basis_pattern(const YamlNode& node, const YamlNode& root, const std::string& where, Basis& basis);
+  void check_uncertainties();
+
   // Outputs.
   void read_output_group(const YamlNode& node, const std::vector<Output>& known);
   void read_output_pattern(const YamlNode& node, const std::vector<Output>& known, const std::string& where,
@@ -226,6 +235,7 @@ class ScenarioReader {
   const KnownStructure& read_structure(const std::string& path, const std::vector<int>& numbers);
 
   Scenario& scenario_;
+  ScenarioRecord record_;
   Model& model_;
   ScenarioSources& sources_;
   Mistakes& mistakes_;

@@ -13,30 +13,6 @@ namespace {
 // Largest length of a list that an override creates.
 constexpr std::size_t kMaxInsertedItems = 16;
 
-std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
-  std::vector<std::string> parts;
-  std::string part;
-  const auto close = [&] {
-    if (part.empty()) throw YamlError(mark, "an empty part in the path '" + path + "'", "write a.b[0]=value");
-    parts.push_back(std::move(part));
-    part.clear();
-  };
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const char c = path[i];
-    if (c == ']') {
-      if (i + 1 < path.size() && path[i + 1] != '.' && path[i + 1] != '[')
-        throw YamlError(mark, "text after ']' in the path '" + path + "'", "write a[0].b=value");
-    } else if (c == '.' || c == '[') {
-      close();
-    } else {
-      part += c;
-    }
-  }
-  close();
-  if (parts.size() > 16) throw YamlError(mark, "a path of more than 16 parts", "no scenario is that deep");
-  return parts;
-}
-
 std::optional<std::size_t> parse_index(const std::string& part) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
@@ -138,6 +114,30 @@ void keep_unit(const std::string& name, const YamlNode& root, YamlNode& value) {
 }
 
 }  // namespace
+
+std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
+  std::vector<std::string> parts;
+  std::string part;
+  const auto close = [&] {
+    if (part.empty()) throw YamlError(mark, "an empty part in the path '" + path + "'", "write a.b[0]=value");
+    parts.push_back(std::move(part));
+    part.clear();
+  };
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const char c = path[i];
+    if (c == ']') {
+      if (i + 1 < path.size() && path[i + 1] != '.' && path[i + 1] != '[')
+        throw YamlError(mark, "text after ']' in the path '" + path + "'", "write a[0].b=value");
+    } else if (c == '.' || c == '[') {
+      close();
+    } else {
+      part += c;
+    }
+  }
+  close();
+  if (parts.size() > 16) throw YamlError(mark, "a path of more than 16 parts", "no scenario is that deep");
+  return parts;
+}
 
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root) {
   const std::vector<std::string> parts = split_path(path, mark);

@@ -6,10 +6,14 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "hil/scenario/yaml/yaml_document.h"
 
 namespace unlatch::hil {
+
+// Parts of a path: "bodies", "core", "inertia", "0". Throws YamlError at `mark`.
+std::vector<std::string> split_path(const std::string& path, const SourceMark& mark);
 
 // Splits PATH=VALUE into path and value. Throws YamlError with the override's number as its place; so does
 // apply_override().

@@ -55,6 +55,11 @@ class DocsTest(ProcessTest):
         self.assertIn("shown.yaml is valid", said)
         self.assertRegex(said, r"0\.600000 s  cutoff")  # by the flight software that is a copy with one change
 
+    def test_the_commands_of_the_page_on_dossiers_work(self):
+        said = self.run_page("hil/scenarios/DOSSIER.md")
+        self.assertIn("of dossier.json", re.sub(r"[0-9a-f]{64}  ", "of ", said))
+        self.assertIn("2 requirements", said)
+
     def test_the_tutorial_commands_work(self):
         said = self.run_page("bridge/TUTORIAL.md")
         rate = float(re.search(r"^rate \[.*, (\S+)\]$", said, re.MULTILINE)[1])

@@ -9,6 +9,7 @@
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
+#include "tools/requirements/requirement_list.h"
 
 namespace unlatch::tools {
 namespace {
@@ -17,14 +18,6 @@ using Json = nlohmann::ordered_json;
 
 const hil::Requirement& get(const RunReport& report, const hil::Verdict& verdict) {
   return report.scenario.requirements[verdict.requirement];
-}
-
-// "at least 0.1 m", "between 1 and 2 s"
-std::string describe_limit(const hil::Requirement& requirement) {
-  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
-  if (std::isinf(requirement.most)) return "at least " + to_short_text(requirement.least) + unit;
-  if (std::isinf(requirement.least)) return "at most " + to_short_text(requirement.most) + unit;
-  return "between " + to_short_text(requirement.least) + " and " + to_short_text(requirement.most) + unit;
 }
 
 // "0.29 m at 1.3 s, at least 0.1 m, margin 0.19 m"
