@@ -6,6 +6,7 @@
 #include "kernel/events/corners.h"
 #include "kernel/events/crossing.h"
 #include "kernel/events/guards.h"
+#include "kernel/events/limits.h"
 #include "kernel/integration/integrator.h"
 
 namespace unlatch {
@@ -15,11 +16,7 @@ namespace {
 constexpr double kSimultaneous = 1e-6;
 // Part of the sub-step: an event is located once the next try would be nearer than this to the latest one.
 constexpr double kLocated = 1e-6;
-constexpr int kMostTries = 24;
-constexpr int kMostLooks = 8;  // tries that search for touches within a sub-step
-constexpr int kMostCornerTries = 6;
-constexpr int kMostJumpTries = 12;  // that end behind it
-constexpr double kBeyond = 16;      // growth of what a try beyond the estimate adds
+constexpr double kBeyond = 16;  // growth of what a try beyond the estimate adds
 
 // Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
 bool try_substep(Run& run, const SubstepStart& start, double end) {

@@ -1,12 +1,12 @@
 // The few functions of the C library that compilers call on their own. With -nostdlib nothing else is linked, above all
-// no heap.
+// no heap. A port may have faster ones for memory.
 #include <cstddef>
 #include <cstdint>
 
 extern "C" {
 
 // Loops over bytes that the compiler must not turn into calls of themselves: -fno-tree-loop-distribute-patterns.
-void* memcpy(void* to, const void* from, std::size_t size) {
+[[gnu::weak]] void* memcpy(void* to, const void* from, std::size_t size) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
   if ((reinterpret_cast<std::uintptr_t>(t) | reinterpret_cast<std::uintptr_t>(f)) % 4 == 0)
@@ -16,7 +16,7 @@ void* memcpy(void* to, const void* from, std::size_t size) {
   return to;
 }
 
-void* memmove(void* to, const void* from, std::size_t size) {
+[[gnu::weak]] void* memmove(void* to, const void* from, std::size_t size) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
   if (t <= f || t >= f + size) return memcpy(to, from, size);
@@ -24,13 +24,13 @@ void* memmove(void* to, const void* from, std::size_t size) {
   return to;
 }
 
-void* memset(void* to, int value, std::size_t size) {
+[[gnu::weak]] void* memset(void* to, int value, std::size_t size) {
   auto* t = static_cast<unsigned char*>(to);
   while (size-- > 0) *t++ = static_cast<unsigned char>(value);
   return to;
 }
 
-int memcmp(const void* a, const void* b, std::size_t size) {
+[[gnu::weak]] int memcmp(const void* a, const void* b, std::size_t size) {
   const auto *x = static_cast<const unsigned char*>(a), *y = static_cast<const unsigned char*>(b);
   for (std::size_t i = 0; i < size; ++i)
     if (x[i] != y[i]) return x[i] < y[i] ? -1 : 1;

@@ -9,8 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "environment", "plan", "joints", "elements", "dynamics", "quantities", "laws", "tree",
-          "compile", "solver", "dispatch", "integration", "events", "step", "images",
-          "targets", "targets/ports")  # lowest first
+          "compile", "solver", "dispatch", "integration", "events", "step", "images", "cost",
+          "cost/measured", "targets", "targets/ports")  # lowest first
 HIL = ("scenario/base", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/flexible",
        "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
        "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/sampling",

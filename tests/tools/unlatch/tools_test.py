@@ -32,6 +32,18 @@ class ToolsTest(ProcessTest):
         array = self.run_ok(UNLATCH, "check", SCENARIOS / "array/reference.yaml").stdout
         self.assertIn("h*omega", array)
 
+    def test_check_bounds_what_a_step_costs(self):
+        text = self.run_ok(UNLATCH, "check", REFERENCE, "--cost", "cortex-m7", "--cycles", "2", "--clock", "400").stdout
+        for part in ["Most that a step costs on cortex-m7", "integrations: stages", "events and impulses", "all limits reached", "at 400 MHz", "the watchdog"]:
+            self.assertIn(part, text)
+        cost = self.run_json(UNLATCH, "check", REFERENCE, "--cost", "cortex-m7", "--cycles", "2", "--clock", "400")["cost"]
+        self.assertEqual(cost["unmeasured"], [])
+        self.assertAlmostEqual(sum(phase["instructions"] for phase in cost["phases"]), cost["most"]["instructions"], delta=1e-6 * cost["most"]["instructions"])
+        self.assertLess(cost["smooth"]["instructions"], cost["most"]["instructions"])
+        self.assertAlmostEqual(cost["smooth"]["time"], 2 * cost["smooth"]["instructions"] / 400e6)
+        refused = self.run_ok(UNLATCH, "check", REFERENCE, "--cost", "vax", code=2)
+        self.assertIn("x86-64", refused.stderr)
+
     def test_every_mistake_has_file_and_line(self):
         text = Path(REFERENCE).read_text().replace("mass: 98500", "mass: -1").replace("mode: hinge", "mode: hnge", 1)
         bad = self.folder / "bad.yaml"

@@ -57,7 +57,8 @@ Json build_elimination(const Model& model, const Plan& plan) {
 }  // namespace
 
 void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
-                     const std::vector<RedundantRows>& redundant, bool quantities, const std::string& target) {
+                     const std::vector<RedundantRows>& redundant, const PlanJsonParts& parts,
+                     const std::string& target) {
   const Model& model = scenario.model;
   const Plan& plan = simulation.plan();
   Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
@@ -96,7 +97,8 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                     {"signals", model.signals.size()},
                     {"events", model.events.size()}};
   json["notes"] = list_notes(scenario);
-  if (quantities) {
+  if (!parts.cost.target.empty()) json["cost"] = build_cost_json(scenario, plan, parts.cost);
+  if (parts.quantities) {
     json["quantities"] = Json::array();
     for (const hil::StartingQuantity& quantity : hil::list_starting_quantities(scenario))
       json["quantities"].push_back(

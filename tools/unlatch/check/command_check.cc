@@ -15,6 +15,7 @@
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 #include "tools/program/exit_codes.h"
+#include "tools/unlatch/check/check_cost.h"
 #include "tools/unlatch/check/check_findings.h"
 #include "tools/unlatch/check/check_json.h"
 #include "tools/unlatch/check/graph.h"
@@ -252,9 +253,10 @@ void print_quantities(const hil::Scenario& scenario) {
                 quantity.text.c_str());
 }
 
-// Lists that `check` appends to the plan.
+// What `check` appends to the plan.
 struct Lists {
   bool outputs = false, quantities = false;
+  CostOptions cost;
 };
 
 int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, const Lists& lists) {
@@ -285,7 +287,8 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
     if (json != "-") print_plan(scenario, *simulation, redundant);
     if (json != "-" && lists.outputs) print_outputs(scenario);
     if (json != "-" && lists.quantities) print_quantities(scenario);
-    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, lists.quantities, json);
+    if (json != "-" && !lists.cost.target.empty()) print_cost(scenario, simulation->plan(), lists.cost);
+    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, {lists.quantities, lists.cost}, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
     throw;
@@ -310,6 +313,20 @@ void add_check(Command app, int& exit_code) {
   command.add_flag(
       "--quantities", lists->quantities,
       "lists quantities for conditions, sensors, requirements and outputs: unit, value at the start, text");
+  command
+      .add_option("--cost", lists->cost.target,
+                  "the most that a step costs on this target: instructions by phase, from the plan alone")
+      .type_name("TARGET")
+      .one_of(list_cost_target_names());
+  command
+      .add_option("--cycles", lists->cost.cycles,
+                  "--cost: cycles that the processor takes for an instruction, on average")
+      .type_name("NUMBER")
+      .positive()
+      .default_shown();
+  command.add_option("--clock", lists->cost.clock, "--cost: clock of the processor, for times")
+      .type_name("MHZ")
+      .positive();
   command.add_json_option(*json, "for an invalid scenario its mistakes");
   command.callback([options, graph, json, lists, &exit_code] { exit_code = run(*options, *graph, *json, *lists); });
 }

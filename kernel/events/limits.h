@@ -1,0 +1,13 @@
+// Limits on the work of the search for events. Each loop of a step over tries or sub-steps ends at one of them; what a
+// step can cost at most follows from them (kernel/cost).
+#pragma once
+
+namespace unlatch {
+
+inline constexpr int kMostTries = 24;        // that locate one event
+inline constexpr int kMostLooks = 8;         // that search for touches within a sub-step
+inline constexpr int kMostCornerTries = 6;   // that end at a corner of a law
+inline constexpr int kMostJumpTries = 12;    // that end behind a jump of a law
+inline constexpr int kMostCornerSplits = 8;  // of a step, at corners of laws
+
+}  // namespace unlatch

@@ -1,0 +1,242 @@
+// Counts the instructions of the primitives of a step: the functions through which a step is put together, each less
+// what it calls of the others. The linker's --wrap (cost.cmake) leads calls of NAME here, to __wrap_NAME; __real_NAME
+// is NAME itself. Counting adds some ten instructions to a call, so that counts are rather too large.
+#include <algorithm>
+#include <array>
+
+#include "kernel/cost/primitives.h"
+#include "kernel/dispatch/kernels.h"
+#include "kernel/dynamics/energy.h"
+#include "kernel/elements/instant.h"
+#include "kernel/events/event_search.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/targets/cost.h"
+#include "kernel/targets/port.h"
+#include "kernel/targets/text_line.h"
+
+namespace unlatch::target {
+namespace {
+
+using cost::Primitive;
+
+struct Count {
+  std::uint64_t calls, most;
+};
+std::array<Count, cost::kPrimitives> counts;
+const Kernels* kernels;
+std::uint64_t last, outside, *current = &outside;  // where the instructions since `last` belong
+std::uint64_t integrations, energies, substeps;    // so far
+
+// `parts`: into which the instructions of the call are divided.
+void note(Primitive primitive, std::uint64_t instructions, std::uint64_t parts) {
+  Count& count = counts[static_cast<std::size_t>(primitive)];
+  count.calls += parts;
+  count.most = std::max(count.most, (instructions + parts - 1) / parts);
+}
+
+// While it lives, instructions belong to the primitive.
+class Within {
+ public:
+  explicit Within(Primitive primitive) : primitive_(primitive), outer_(current) {
+    *outer_ += read_counter() - last;
+    current = &own_;
+    last = read_counter();
+  }
+  ~Within() {
+    own_ += read_counter() - last;
+    note(primitive_, own_, parts_);
+    current = outer_;
+    last = read_counter();
+  }
+  Within(const Within&) = delete;
+  Within& operator=(const Within&) = delete;
+  // The call turned out to be so many parts of this primitive.
+  void divide(Primitive primitive, std::uint64_t parts) {
+    primitive_ = primitive;
+    parts_ = parts;
+  }
+
+ private:
+  Primitive primitive_;
+  std::uint64_t parts_ = 1, own_ = 0, *outer_;
+};
+
+template <Primitive primitive, auto member, class Result, class... Arguments>
+constexpr auto wrap(Result (*Kernels::*)(Arguments...)) {
+  return +[](Arguments... arguments) -> Result {
+    const Within within(primitive);
+    return (kernels->*member)(arguments...);
+  };
+}
+template <Primitive primitive, auto member>
+constexpr auto wrap() {
+  return wrap<primitive, member>(member);
+}
+
+using K = Kernels;
+using P = Primitive;
+constexpr Kernels kWrapped = {wrap<P::kKinematics, &K::update_kinematics>(),
+                              wrap<P::kKinematics, &K::update_angular_velocities>(),
+                              wrap<P::kOwnForces, &K::init_forces>(),
+                              wrap<P::kJoints, &K::update_joints>(),
+                              wrap<P::kJointVelocities, &K::update_joint_velocities>(),
+                              wrap<P::kAngles, &K::update_angles>(),
+                              wrap<P::kFactor, &K::factor_and_solve>(),
+                              wrap<P::kSolve, &K::solve>(),
+                              wrap<P::kSplit, &K::split_cluster_rows>(),
+                              wrap<P::kMotion, &K::begin_substep>(),
+                              wrap<P::kMotion, &K::begin_stages>(),
+                              wrap<P::kMotion, &K::advance_stage>(),
+                              wrap<P::kMotion, &K::finish_stages>(),
+                              wrap<P::kMotion, &K::restart>(),
+                              wrap<P::kMotion, &K::finish_first_stage>(),
+                              wrap<P::kMotion, &K::finish_second_stage>(),
+                              wrap<P::kMotion, &K::add_displacements>(),
+                              wrap<P::kMotion, &K::add_velocities>()};
+
+}  // namespace
+}  // namespace unlatch::target
+
+namespace unlatch {
+
+using target::Within;
+using P = cost::Primitive;
+
+extern const Kernels* const real_tables[] asm("__real__ZN7unlatch13kKernelTablesE");
+extern const Kernels* const wrap_tables[] asm("__wrap__ZN7unlatch13kKernelTablesE");
+constinit const Kernels* const wrap_tables[] = {&target::kWrapped, &target::kWrapped, &target::kWrapped,
+                                                &target::kWrapped, &target::kWrapped};
+
+#define UNLATCH_DECLARE(result, name, symbol, parameters) \
+  result real_##name parameters asm("__real_" symbol);    \
+  result wrap_##name parameters asm("__wrap_" symbol);
+#define UNLATCH_WRAP(primitive, result, name, symbol, parameters, arguments) \
+  UNLATCH_DECLARE(result, name, symbol, parameters)                          \
+  result wrap_##name parameters {                                            \
+    const Within within(primitive);                                          \
+    return real_##name arguments;                                            \
+  }
+
+UNLATCH_WRAP(P::kLoopJoints, void, update_non_tree_joints,
+             "_ZN7unlatch22update_non_tree_jointsERKNS_8PlanDataERKNS_5StateENS_9RowTargetERNS_10EvaluationE",
+             (const PlanData& plan, const State& state, RowTarget target, Evaluation& ev), (plan, state, target, ev))
+UNLATCH_WRAP(P::kForces, void, add_forces, "_ZN7unlatch10add_forcesERKNS_7InstantERNS_10EvaluationE",
+             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kLoads, void, update_loads, "_ZN7unlatch12update_loadsERKNS_7InstantERNS_10EvaluationE",
+             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kLaws, std::span<const double>, update_driving_laws,
+             "_ZN7unlatch19update_driving_lawsERKNS_7InstantERNS_10EvaluationE", (const Instant& now, Evaluation& ev),
+             (now, ev))
+UNLATCH_WRAP(P::kLaws, void, update_other_laws, "_ZN7unlatch17update_other_lawsERKNS_7InstantERNS_10EvaluationE",
+             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kCoordinates, std::size_t, measure_coordinates,
+             "_ZN7unlatch19measure_coordinatesERKNS_8PlanDataERKNS_5StateENS_13CoordinateSetERNS_10EvaluationE",
+             (const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev), (plan, state, set, ev))
+UNLATCH_WRAP(P::kAngles, void, unwind_angles,
+             "_ZN7unlatch13unwind_anglesERKNS_8PlanDataERKNS_5StateENS_13CoordinateSetERNS_10EvaluationE",
+             (const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev), (plan, state, set, ev))
+UNLATCH_WRAP(P::kFriction, void, update_friction, "_ZN7unlatch15update_frictionERKNS_7InstantERNS_10EvaluationE",
+             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kSplit, void, split_dense_rows,
+             "_ZN7unlatch16split_dense_rowsERKNS_8PlanDataERKNS_5StateERNS_10EvaluationE",
+             (const PlanData& plan, const State& state, Evaluation& ev), (plan, state, ev))
+UNLATCH_WRAP(P::kImpulse, int, apply_impulse,
+             "_ZN7unlatch13apply_impulseERKNS_8PlanDataENS_6SourceERNS_5StateERNS_10EvaluationE",
+             (const PlanData& plan, Source source, State& state, Evaluation& ev), (plan, source, state, ev))
+UNLATCH_WRAP(P::kReadings, void, update_readings, "_ZN7unlatch15update_readingsERKNS_7InstantERNS_10EvaluationE",
+             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kParts, int, count_contact_parts,
+             "_ZN7unlatch19count_contact_partsERKNS_8PlanDataERKNS_5StateEdRKNS_10EvaluationE",
+             (const PlanData& plan, const State& state, double t, const Evaluation& ev), (plan, state, t, ev))
+UNLATCH_WRAP(P::kStore, void, store_substep, "_ZN7unlatch13store_substepERKNS_8PlanDataERKNS_10EvaluationERNS_5StateE",
+             (const PlanData& plan, const Evaluation& ev, State& state), (plan, ev, state))
+UNLATCH_WRAP(P::kRearm, void, rearm, "_ZN7unlatch5rearmERKNS_8PlanDataERNS_5StateERNS_10EvaluationE",
+             (const PlanData& plan, State& state, Evaluation& ev), (plan, state, ev))
+UNLATCH_WRAP(P::kRearm, double, calc_next_due, "_ZN7unlatch13calc_next_dueERKNS_8PlanDataERKNS_5StateEd",
+             (const PlanData& plan, const State& state, double now), (plan, state, now))
+
+// Symbols with a std::span name the largest std::size_t.
+#if __SIZEOF_POINTER__ == 8
+#define UNLATCH_SPAN "Lm18446744073709551615EE"
+#else
+#define UNLATCH_SPAN "Lj4294967295EE"
+#endif
+UNLATCH_WRAP(P::kGuards, void, update_guards,
+             "_ZN7unlatch13update_guardsERKNS_7InstantERNS_10EvaluationESt4spanId" UNLATCH_SPAN,
+             (const Instant& now, Evaluation& ev, std::span<double> stack), (now, ev, stack))
+
+UNLATCH_DECLARE(int, evaluate, "_ZN7unlatch8evaluateERKNS_7InstantENS_7ChangedERNS_10EvaluationE",
+                (const Instant& now, Changed changed, Evaluation& ev))
+int wrap_evaluate(const Instant& now, Changed changed, Evaluation& ev) {
+  const Within within(changed == Changed::kVelocities || changed == Changed::kCommands ? P::kEvaluateEnd
+                                                                                       : P::kEvaluate);
+  return real_evaluate(now, changed, ev);
+}
+
+UNLATCH_DECLARE(int, integrate, "_ZN7unlatch9integrateERKNS_7InstantERKNS_12SubstepStartEdRNS_10EvaluationE",
+                (const Instant& now, const SubstepStart& start, double end, Evaluation& ev))
+int wrap_integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) {
+  const Within within(P::kIntegrate);
+  ++target::integrations;
+  return real_integrate(now, start, end, ev);
+}
+
+UNLATCH_DECLARE(Reached, advance_to_event, "_ZN7unlatch16advance_to_eventERNS_3RunEddb",
+                (Run & run, double now, double target, bool may_split))
+Reached wrap_advance_to_event(Run& run, double now, double target, bool may_split) {
+  ++target::substeps;
+  Within within(P::kSearch);
+  const std::uint64_t before = target::integrations;
+  const Reached reached = real_advance_to_event(run, now, target, may_split);
+  within.divide(P::kSearch, target::integrations - before);
+  return reached;
+}
+
+UNLATCH_DECLARE(StepStatus, act, "_ZN7unlatch3actERNS_3RunEdSt4spanIKd" UNLATCH_SPAN,
+                (Run & run, double now, std::span<const double> tolerances))
+StepStatus wrap_act(Run& run, double now, std::span<const double> tolerances) {
+  Within within(P::kAct);
+  const std::uint64_t before = target::energies;
+  const StepStatus status = real_act(run, now, tolerances);
+  // A round computes energies before its events, and behind them if some acted.
+  if (target::energies > before) within.divide(P::kRound, (target::energies - before + 1) / 2);
+  return status;
+}
+
+UNLATCH_DECLARE(EnergyFlow, calc_energy_flow,
+                "_ZN7unlatch16calc_energy_flowERKNS_8PlanDataERKNS_5StateEdRKNS_10EvaluationERKNS_5Vec3TIdEE",
+                (const PlanData& plan, const State& state, double t, const Evaluation& ev, const Vec3& observer))
+EnergyFlow wrap_calc_energy_flow(const PlanData& plan, const State& state, double t, const Evaluation& ev,
+                                 const Vec3& observer) {
+  ++target::energies;
+  return real_calc_energy_flow(plan, state, t, ev, observer);
+}
+
+}  // namespace unlatch
+
+namespace unlatch::target {
+
+void begin_primitives(const PlanData& plan) {
+  counts = {};
+  kernels = real_tables[static_cast<int>(plan.instruction_set)];
+}
+std::uint64_t begin_step() {
+  outside = substeps = 0;
+  current = &outside;
+  return last = read_counter();
+}
+// What no primitive has is the step's own, for each of its sub-steps.
+std::uint64_t end_step(std::uint64_t begin) {
+  const std::uint64_t now = read_counter();
+  outside += now - last;
+  note(Primitive::kStep, outside, std::max<std::uint64_t>(substeps, 1));
+  return now - begin;
+}
+void print_primitives(const char* plan) {
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    if (counts[i].calls > 0)
+      TextLine() << "p " << plan << " " << cost::kPrimitiveNames[i] << " " << counts[i].calls << " "
+                 << counts[i].most * kInstructionUnit << "\n";
+}
+
+}  // namespace unlatch::target

@@ -1,0 +1,117 @@
+// Plans for tools/cost.
+//   cost_models images FOLDER FIRST COUNT   writes images of random systems with these seeds; prints their names
+//   cost_models work LANES IMAGE...         prints the work of each plan, by its units
+//   cost_models steps IMAGE TICKS           steps a plan; prints the integrations and rounds of events of each step
+//   cost_models bound TARGET                of each line "IMAGE INTEGRATIONS ROUNDS" prints the bound of such a step
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "kernel/cost/work.h"
+#include "tests/support/image_file.h"
+#include "tests/support/random_elements.h"
+#include "tests/support/simulation.h"
+#include "unlatch/cost/step_cost.h"
+#include "unlatch/plan_image.h"
+
+namespace {
+
+using namespace unlatch;
+
+int write_images(const std::string& folder, std::uint64_t first, std::uint64_t count) {
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const PlanResult compiled = compile_plan(test::build_random_system(seed), {.dt = 0.001});
+    if (!compiled.plan) {
+      std::fprintf(stderr, "seed %llu: %s: %s\n", static_cast<unsigned long long>(seed),
+                   compiled.errors.front().where.c_str(), compiled.errors.front().what.c_str());
+      return 1;
+    }
+    const std::span<const std::byte> image = compiled.plan->get_image();
+    const std::string name = "random" + std::to_string(seed);
+    std::ofstream file(folder + "/" + name + ".plan", std::ios::binary);
+    file.write(reinterpret_cast<const char*>(image.data()), static_cast<std::streamsize>(image.size()));
+    if (!file) return 1;
+    std::printf("%s\n", name.c_str());
+  }
+  return 0;
+}
+
+// A plan and the memory that it lies in.
+struct OpenedImage {
+  explicit OpenedImage(const std::string& path) : image(test::read_image(path)) {
+    OpenedPlan opened = open_plan(image.get(), memory);
+    if (!opened.plan) throw std::runtime_error(path + ": " + get_status_text(opened.status));
+    plan = opened.plan;
+  }
+  test::ImageMemory image;
+  PlanMemory memory;
+  std::optional<Plan> plan;
+};
+
+int print_steps(const char* path, std::int64_t ticks) {
+  const OpenedImage own(path);
+  const Plan& plan = *own.plan;
+  test::Block state_memory(plan.get_state_bytes()), workspace_memory(plan.get_workspace_bytes());
+  State state(plan, state_memory.get());
+  Workspace workspace(plan, workspace_memory.get());
+  init_state(plan, state);
+  for (std::int64_t tick = 0; tick < ticks; ++tick) {
+    const StepReport report = step(plan, {plan.get_initial_commands()}, state, workspace);
+    if (report.status != StepStatus::kOk) break;
+    std::printf("%d %zu\n", report.substeps, report.audits.size());
+  }
+  return 0;
+}
+
+int print_bounds(const char* name) {
+  const CostTarget* target = find_cost_target(name);
+  if (target == nullptr) throw std::runtime_error(std::string("there is no target ") + name);
+  std::map<std::string, std::unique_ptr<OpenedImage>> images;
+  std::string path;
+  std::int64_t integrations = 0, rounds = 0;
+  while (std::cin >> path >> integrations >> rounds) {
+    std::unique_ptr<OpenedImage>& own = images[path];
+    if (!own) own = std::make_unique<OpenedImage>(path);
+    const StepCost cost = calc_step_cost(*own->plan, *target, get_counted_limits(*own->plan, integrations, rounds));
+    if (cost.unmeasured.empty())
+      std::printf("%.17g\n", cost.instructions);
+    else
+      std::printf("unmeasured\n");
+  }
+  return 0;
+}
+
+int print_work(int lanes, char** first, char** end) {
+  for (char** path = first; path != end; ++path) {
+    const OpenedImage own(*path);
+    const cost::Work work = cost::count_work(*own.plan, lanes);
+    std::printf("%s", *path);
+    for (const double count : work.counts) std::printf(" %.17g", count);
+    std::printf("\n");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const std::string verb = argc > 1 ? argv[1] : "";
+    if (verb == "images" && argc == 5)
+      return write_images(argv[2], std::strtoull(argv[3], nullptr, 10), std::strtoull(argv[4], nullptr, 10));
+    if (verb == "steps" && argc == 4) return print_steps(argv[2], std::atoll(argv[3]));
+    if (verb == "bound" && argc == 3) return print_bounds(argv[2]);
+    if (verb == "work" && argc > 3) return print_work(std::atoi(argv[2]), argv + 3, argv + argc);
+    std::fprintf(stderr,
+                 "cost_models images FOLDER FIRST COUNT | work LANES IMAGE... | steps IMAGE TICKS | bound TARGET\n");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  return 1;
+}
