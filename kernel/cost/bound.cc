@@ -7,6 +7,7 @@
 #include "kernel/events/limits.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/plan/plan_data.h"
+#include "unlatch/model/contact_substeps.h"
 
 namespace unlatch {
 namespace {
@@ -243,7 +244,7 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   const bool recurring = pairs > 0 || events.repeating > 0;
   StepLimits limits;
   if (pairs > 0)
-    limits.parts = plan.contact_substeps == kAutomaticSubsteps ? kMaxAutomaticSubsteps : plan.contact_substeps;
+    limits.parts = has_automatic_parts(plan.contact_substeps) ? kMaxAutomaticSubsteps : plan.contact_substeps;
   limits.splits =
       recurring ? plan.options.max_splits : std::min<std::int64_t>(plan.options.max_splits, events.instants);
   const bool jumps = std::any_of(plan.laws.corners.begin(), plan.laws.corners.end(),

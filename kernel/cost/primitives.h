@@ -30,7 +30,7 @@ enum class Primitive : std::int32_t {
   kImpulse,          // apply_impulse()
   kGuards,           // update_guards()
   kReadings,         // update_readings()
-  kParts,            // count_contact_parts()
+  kParts,            // choose_contact_parts()
   kSearch,           // advance_to_event(), per integration
   kStore,            // store_substep()
   kRearm,            // rearm(), calc_next_due()

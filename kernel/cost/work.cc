@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/geometry/compiled_shape.h"
 #include "unlatch/quantities.h"
@@ -93,6 +94,8 @@ const std::array<const char*, kUnits> kUnitNames = {
     "round pairs",
     "convex pairs",
     "hollow pairs",
+    "contacts whose parts may be implicit",
+    "pairs of rigid contacts",
     "law steps",
     "law functions",
     "table axes",
@@ -259,6 +262,8 @@ void count_elements(const PlanData& plan, Work& work) {
   set(Unit::kCompliant, plan.compliant.size());
   set(Unit::kPlanetBodies, plan.environment.exists ? plan.bodies.size() : 0);
   set(Unit::kContacts, plan.contacts.size());
+  set(Unit::kImplicitContacts, may_be_implicit(plan) ? plan.contacts.size() : 0);
+  set(Unit::kRigidContacts, plan.rigid_pairs);
   for (const PlanOneSided& own : plan.one_sided)
     if (own.count > 0)
       work[Unit::kOneSidedTables] += static_cast<double>(std::bit_width(static_cast<unsigned>(own.count)));

@@ -95,11 +95,13 @@ enum class Unit : std::int32_t {
   kUniversalAngles,
   kAngleEights,
   kPlanetBodies,
-  // pairs of shapes: both round; else convex; one hollow
+  // pairs of shapes: both round; else convex; one hollow; those whose parts may be implicit; those of rigid contacts
   kContacts,
   kRoundPairs,
   kConvexPairs,
   kHollowPairs,
+  kImplicitContacts,
+  kRigidContacts,
   // laws
   kLawSteps,
   kLawFunctions,

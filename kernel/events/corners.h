@@ -6,11 +6,11 @@
 
 #include <span>
 
+#include "kernel/events/limits.h"
 #include "kernel/plan/plan_data.h"
 
 namespace unlatch {
 
-inline constexpr int kMostCornerSplits = 8;  // of a step
 // Part of the step: corners that are nearer than this to an end of a sub-step are not inside it.
 inline constexpr double kNearCorner = 1e-5;
 

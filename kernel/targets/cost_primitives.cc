@@ -145,8 +145,8 @@ UNLATCH_WRAP(P::kImpulse, int, apply_impulse,
              (const PlanData& plan, Source source, State& state, Evaluation& ev), (plan, source, state, ev))
 UNLATCH_WRAP(P::kReadings, void, update_readings, "_ZN7unlatch15update_readingsERKNS_7InstantERNS_10EvaluationE",
              (const Instant& now, Evaluation& ev), (now, ev))
-UNLATCH_WRAP(P::kParts, int, count_contact_parts,
-             "_ZN7unlatch19count_contact_partsERKNS_8PlanDataERKNS_5StateEdRKNS_10EvaluationE",
+UNLATCH_WRAP(P::kParts, ContactParts, choose_contact_parts,
+             "_ZN7unlatch20choose_contact_partsERKNS_8PlanDataERKNS_5StateEdRKNS_10EvaluationE",
              (const PlanData& plan, const State& state, double t, const Evaluation& ev), (plan, state, t, ev))
 UNLATCH_WRAP(P::kStore, void, store_substep, "_ZN7unlatch13store_substepERKNS_8PlanDataERKNS_10EvaluationERNS_5StateE",
              (const PlanData& plan, const Evaluation& ev, State& state), (plan, ev, state))

@@ -141,13 +141,6 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
   return out;
 }
 
-// True if there is room for implicit parts, and no springs of joints, modes, masses that burn or rigid contacts have a
-// method of their own.
-bool has_room(const PlanData& plan) {
-  return plan.rigid && plan.compliant.empty() && plan.rigid_pairs == 0 && plan.bodies.size() <= kMostImplicitBodies &&
-         plan.initial_auxiliary.size() <= kMostImplicitAuxiliary;
-}
-
 // The least power of two that is as many as needed.
 std::int32_t count_parts(double needed) {
   std::int32_t parts = 1;
@@ -156,6 +149,12 @@ std::int32_t count_parts(double needed) {
 }
 
 }  // namespace
+
+bool may_be_implicit(const PlanData& plan) noexcept {
+  return has_automatic_parts(plan.contact_substeps) && !plan.contacts.empty() && plan.rigid && plan.compliant.empty() &&
+         plan.rigid_pairs == 0 && plan.bodies.size() <= kMostImplicitBodies &&
+         plan.initial_auxiliary.size() <= kMostImplicitAuxiliary;
+}
 
 ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
   double most = 0, implicit_most = 0, square = 0, damping = 0, slip = 0;
@@ -180,9 +179,9 @@ ContactParts choose_contact_parts(const PlanData& plan, const State& state, doub
   const double refined = get_contact_refinement(plan.contact_substeps) * plan.options.dt;
   const std::int32_t parts = count_parts(refined * std::max(most, stable)),
                      implicit_parts = count_parts(refined * implicit_most);
-  const bool may_be_implicit = closed > 0 && closed <= kMostImplicitPairs && has_room(plan);
+  const bool implicit = closed > 0 && closed <= kMostImplicitPairs && may_be_implicit(plan);
   const bool is_unstable = plan.options.dt * stable > kMaxAutomaticSubsteps;  // with explicit parts
-  if (may_be_implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true};
+  if (implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true};
   return {parts, false};
 }
 
