@@ -35,3 +35,20 @@ function(unlatch_unite_folders target most)
     endforeach()
   endforeach()
 endfunction()
+
+# unlatch_unite_all(TARGET [EXCEPT FILE...]): all files of the target, but these, are compiled as one.
+function(unlatch_unite_all target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "EXCEPT")
+  get_target_property(files ${target} SOURCES)
+  list(FILTER files INCLUDE REGEX "\\.cc$")
+  list(REMOVE_ITEM files "" ${arg_EXCEPT})
+  unlatch_unite(${target} all ${files})
+endfunction()
+
+# unlatch_unite_below(TARGET GROUP FOLDER...): the target's files in these folders and below them are compiled as one.
+function(unlatch_unite_below target group)
+  get_target_property(files ${target} SOURCES)
+  list(JOIN ARGN "|" folders)
+  list(FILTER files INCLUDE REGEX "^(${folders})/[^$]*\\.cc$")
+  unlatch_unite(${target} ${group} ${files})
+endfunction()

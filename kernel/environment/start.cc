@@ -6,8 +6,6 @@
 namespace unlatch {
 namespace {
 
-Eigen::Vector3d to_eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
-
 // A turn about x, y or z.
 Quat turn_about(int axis, double angle) {
   double sine, cosine;

@@ -1,4 +1,4 @@
-// The model's quantities, which are Eigen's, as the kernel's own.
+// The model's quantities, which are Eigen's, as the kernel's own, and vectors the other way.
 #pragma once
 
 #include "unlatch/math.h"
@@ -7,6 +7,7 @@
 namespace unlatch {
 
 inline Vec3 to_vec(const Eigen::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+inline Eigen::Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
 inline Mat3 to_mat(const Eigen::Matrix3d& m) { return {to_vec(m.col(0)), to_vec(m.col(1)), to_vec(m.col(2))}; }
 inline Sym3 to_sym(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)}; }
 inline Quat to_quat(const Eigen::Quaterniond& q) { return normalized(Quat{q.w(), q.x(), q.y(), q.z()}); }

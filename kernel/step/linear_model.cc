@@ -12,6 +12,7 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
+#include "kernel/model/from_eigen.h"
 #include "kernel/solver/loops/loop_rows.h"
 #include "kernel/step/state_copy.h"
 #include "kernel/step/velocities.h"
@@ -37,8 +38,6 @@ constexpr double kLeastMobility = 1e-13;
 constexpr double kLeastCorner = 1e-3;
 // Rounding of an acceleration, beside the largest one.
 constexpr double kRounding = 1e-10;
-
-Eigen::Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
 
 // The numbers of one state of which differences are taken.
 struct Sample {

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/model/from_eigen.h"
+
 namespace unlatch {
 namespace {
 
-Eigen::Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
 Vec3 to_vec3(const Eigen::Ref<const Eigen::Vector3d>& a) { return {a[0], a[1], a[2]}; }
 
 }  // namespace
