@@ -1,4 +1,4 @@
-#include "unlatch/halved_plan.h"
+#include "unlatch/plan/halved_plan.h"
 
 #include <cstring>
 #include <memory>

@@ -5,12 +5,12 @@
 #include <limits>
 #include <memory>
 
+#include "hil/run/audit/step_audit.h"
 #include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/contact_resolution.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
-#include "hil/run/notices/step_audit.h"
 #include "hil/run/notices/table_exit.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"

@@ -36,10 +36,10 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/audit/contact_jumps.h"
+#include "hil/run/audit/energy_audit.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
-#include "hil/run/notices/contact_jumps.h"
-#include "hil/run/notices/energy_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/run/notices/unresolved_bodies.h"
 #include "hil/scenario/scenario.h"

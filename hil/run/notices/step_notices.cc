@@ -1,7 +1,7 @@
 // What the audit of the step says at the end of a run, or so far.
+#include "hil/run/audit/step_audit.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
-#include "hil/run/notices/step_audit.h"
 #include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {

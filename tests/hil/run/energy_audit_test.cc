@@ -1,5 +1,5 @@
 // The audit of energy and the notices of a run, against closed forms.
-#include "hil/run/notices/energy_audit.h"
+#include "hil/run/audit/energy_audit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The audit of the step: runs whose step is too long, against the same runs with one that is not, and smooth systems of
 // all kinds that no audit may doubt.
-#include "hil/run/notices/step_audit.h"
+#include "hil/run/audit/step_audit.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "hil/run/notices/step_audit.h"
+#include "hil/run/audit/step_audit.h"
 
 #include <algorithm>
 #include <bit>

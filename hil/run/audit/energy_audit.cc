@@ -1,4 +1,4 @@
-#include "hil/run/notices/energy_audit.h"
+#include "hil/run/audit/energy_audit.h"
 
 #include <algorithm>
 #include <cmath>

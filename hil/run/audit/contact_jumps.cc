@@ -1,4 +1,4 @@
-#include "hil/run/notices/contact_jumps.h"
+#include "hil/run/audit/contact_jumps.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

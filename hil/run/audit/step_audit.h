@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
-#include "unlatch/halved_plan.h"
+#include "unlatch/plan/halved_plan.h"
 
 namespace unlatch::hil {
 
