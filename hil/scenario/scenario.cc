@@ -228,6 +228,8 @@ void ScenarioReader::read(const YamlNode& root) {
   read_joints(top);
   read_elements(top);
   read_contacts(top);
+  // Contacts stand among the elements: their numbers are known once all of them are read.
+  for (int i = 0; i < model_.element_count(); ++i) elements_.push_back(model_.element_name(i));
   read_tables(top);
   read_quantities(top);
   compile_element_laws();

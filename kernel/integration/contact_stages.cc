@@ -25,7 +25,7 @@ constexpr std::array<Weights, kStages> kGammas{
      {-8.7173304301691801e-1, 0, 0, 0},
      {-9.0338057013044082e-1, 5.4180672388095326e-2, 0, 0},
      {2.4212380706095346e-1, -1.2232505839045147, 5.4526025533510214e-1, 0}}};
-constexpr Weights kEnd{2.4212380706095346e-1, -1.2232505839045147, 1.5452602553351020, kGamma34};
+constexpr Weights kEndWeights{2.4212380706095346e-1, -1.2232505839045147, 1.5452602553351020, kGamma34};
 
 // Twice the vector part of q₀* q': the rate of turn, body axes, of a rate of a quaternion near q₀.
 Vec3 calc_turn(const Quat& q, const Quat& rate) {
@@ -211,7 +211,7 @@ void ContactStages::add_responses(std::size_t stage) {
 // From the beginning to the stage after `stage`, or to the end.
 void ContactStages::move(std::size_t stage) {
   const bool ends = stage + 1 == kStages;
-  const Weights& weights = ends ? kEnd : kAlphas[stage + 1];
+  const Weights& weights = ends ? kEndWeights : kAlphas[stage + 1];
   double* blocks = ev_.blocks.data();
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     MotionT<double> motion = read(blocks, plan_.places[b], &BodyLane::start);

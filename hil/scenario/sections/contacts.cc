@@ -39,7 +39,6 @@ int ScenarioReader::find_surface(const ShapeSet& set) {
 void ScenarioReader::read_contacts(YamlMap& top) {
   for_each_named(top, "contacts", "contact",
                  [&](const std::string& name, const YamlNode& node) { read_contact(name, node); });
-  for (const Contact& contact : model_.contacts) elements_.push_back(contact.name);
 }
 
 void ScenarioReader::read_contact(const std::string& name, const YamlNode& node) {

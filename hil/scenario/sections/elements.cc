@@ -78,7 +78,6 @@ void ScenarioReader::read_elements(YamlMap& top) {
                  [&](const std::string& name, const YamlNode& node) { read_element(name, node); });
   for_each_named(top, "stops", "element",
                  [&](const std::string& name, const YamlNode& node) { read_stop(name, node); });
-  for (int i = 0; i < model_.element_count(); ++i) elements_.push_back(model_.element_name(i));
 }
 
 // Readers of the types of elements: each reads the keys of its type and adds the element to the model. A new type is a

@@ -220,6 +220,19 @@ TEST(Contacts, EventsWaitForContactsAndClearances) {
   EXPECT_NEAR(run.simulation->state().bodies[1].v.x, -3, 1e-9) << "switched off at once, it pushes no more";
 }
 
+TEST(Contacts, ActionsReachTheirElementsBesideContacts) {
+  const hil::Scenario scenario = hil::load_scenario_text(
+      build_blow("stiffness: 0.2 MN/m",
+                 "elements:\n"
+                 "  push: {type: pusher, between: [wall, ball], point: [1, 1, 0], follower_point: [0, 1, 0], stroke: 0.1, preload: 1, stiffness: 10}\n"
+                 "events:\n"
+                 "  - {name: off, when: {time: 0.1}, then: [{switch: {element: push, to: false}}]}\n"),
+      "run.yaml");
+  ASSERT_FALSE(scenario.model.events.empty());
+  for (const Event& event : scenario.model.events)
+    if (event.name == "off") EXPECT_EQ(scenario.model.element_name(event.then.at(0).subject), "push");
+}
+
 // A box of 2 kg falls on the ground, a little tilted, and rocks; its surface is `shape`.
 std::string build_rocking(const std::string& shape) {
   return R"(unlatch: 1

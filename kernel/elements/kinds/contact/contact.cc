@@ -16,8 +16,6 @@ namespace {
 // within it.
 constexpr double kMargin = 2;
 
-geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
-
 // Velocity of a body's material at a point of W, world axes, m/s.
 Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
 

@@ -14,6 +14,7 @@
 
 namespace unlatch {
 
+inline geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
 // One shape of those of a body.
 geometry::ShapeView get_shape(const PlanData& plan, const PlanShapes& of, std::int32_t part) noexcept;
 

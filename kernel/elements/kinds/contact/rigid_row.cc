@@ -6,8 +6,6 @@
 namespace unlatch {
 namespace {
 
-geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
-
 // The acceleration of a body's material at an arm from its origin that its turning alone brings about, W, m/s².
 Vec3 calc_centripetal(const BodyFrame& body, const Vec3& arm) { return cross(body.w, cross(body.w, arm)); }
 
