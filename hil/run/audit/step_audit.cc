@@ -11,9 +11,9 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kAlignment = 64;
+constexpr std::size_t kWorkspaceAlignment = 64;
 // Smaller changes are a body at rest, whose errors are compared with these: m, m/s, rad, rad/s.
-constexpr double kStill = 1e-6;
+constexpr double kLeastChange = 1e-6;
 constexpr double kSteady = 1e-3;  // of a rate at the start: likewise
 // A change of the change of a velocity from one step to the next, of its largest change: an error may be half of it.
 constexpr double kJump = 0.02;
@@ -60,18 +60,18 @@ bool has_same_phases(const State& a, const State& b) {
 double StepAudit::Course::get_change(std::size_t part) const {
   // A rate that is constant but for the error of its steps has not changed by that.
   const double still = part == static_cast<std::size_t>(MotionPart::kRate) ? kSteady * norm(start.w) : 0;
-  return std::max({std::sqrt(squared_change[part]), kStill, still});
+  return std::max({std::sqrt(squared_change[part]), kLeastChange, still});
 }
 
 StepAudit::Half::Half(const Plan& whole)
     : plan(halve_step(whole)),
       block(make_block(whole)),
-      memory(whole.get_workspace_bytes() + kAlignment),
+      memory(whole.get_workspace_bytes() + kWorkspaceAlignment),
       state(make_state(plan, block)) {
   void* first = memory.data();
   std::size_t space = memory.size();
   const std::size_t bytes = whole.get_workspace_bytes();
-  workspace = Workspace(plan, {static_cast<std::byte*>(std::align(kAlignment, bytes, first, space)), bytes});
+  workspace = Workspace(plan, {static_cast<std::byte*>(std::align(kWorkspaceAlignment, bytes, first, space)), bytes});
 }
 
 StepAudit::StepAudit(const Simulation& simulation)
@@ -138,7 +138,7 @@ bool StepAudit::follow(Course& course, const BodyState& now, const Vec3& common)
   const Vec3 jump = course.v.move(now.v), turning = course.w.move(now.w);
   const auto is_jump = [&course](const Vec3& by_step, MotionPart part) {
     const double squared = course.squared_change[at(static_cast<int>(part))];
-    return dot(by_step, by_step) > std::max(kJump * kJump * squared, kStill * kStill);
+    return dot(by_step, by_step) > std::max(kJump * kJump * squared, kLeastChange * kLeastChange);
   };
   return is_jump(jump, MotionPart::kVelocity) || is_jump(jump - common, MotionPart::kOwnVelocity) ||
          is_jump(turning, MotionPart::kRate);
