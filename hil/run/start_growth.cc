@@ -14,13 +14,13 @@ constexpr double kChange = 5e-7;  // m, m/s, rad, rad/s; below the gaps that joi
 constexpr double kBlocked = 0.1;  // part of the change that is left after the first step, unless joints hold it
 
 // All bodies after the first step, and at the end.
-struct Course {
+struct StartCourse {
   std::vector<BodyState> begin, end;
 };
 
 // Nothing if the run fails, or the changed model is not possible.
-std::optional<Course> fly(const Scenario& scenario, std::int64_t last, const std::atomic<bool>& interrupted) {
-  Course course;
+std::optional<StartCourse> fly(const Scenario& scenario, std::int64_t last, const std::atomic<bool>& interrupted) {
+  StartCourse course;
   try {
     const auto simulation = build_simulation(scenario);
     const auto list = [&](std::vector<BodyState>& into) {
@@ -106,7 +106,7 @@ std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario,
   const std::vector<Body>& bodies = scenario.model.bodies;
   const auto movable = std::ranges::count_if(bodies, [](const Body& body) { return !body.marker; });
   if (static_cast<std::size_t>(movable) > kMostGrowthBodies) return std::nullopt;
-  const std::optional<Course> nominal = fly(scenario, last, interrupted);
+  const std::optional<StartCourse> nominal = fly(scenario, last, interrupted);
   if (!nominal) return std::nullopt;
   const double length = static_cast<double>(last) * scenario.dt;
   std::vector<StartGrowth> found;
@@ -119,7 +119,7 @@ std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario,
       for (int axis = 0; axis < 3; ++axis) {
         Scenario changed = scenario;
         change(of, axis, changed.model.bodies[b]);
-        const std::optional<Course> course = fly(changed, last, interrupted);
+        const std::optional<StartCourse> course = fly(changed, last, interrupted);
         if (interrupted) return std::nullopt;
         if (!course) continue;
         const double start = find_largest(of, course->begin, nominal->begin).first;

@@ -48,7 +48,7 @@ void NoticeWatch::watch_laws() {
   for (const PassedOver& passed : laws_->update(simulation_.get_motion(), simulation_.get_inputs())) {
     const Law& law = scenario_.model.laws[at(passed.law)];
     report(
-        passed_over_[at(passed.law)], "law", law.name, passed.error, [&] { return describe(law, passed); },
+        passed_over_[at(passed.law)], "law", law.name, passed.error, [&] { return hil::describe(law, passed); },
         passed.bodies);
   }
 }
