@@ -1,4 +1,5 @@
 // Contacts of the language, and their results in a run, against closed forms.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -228,9 +229,9 @@ TEST(Contacts, ActionsReachTheirElementsBesideContacts) {
                  "events:\n"
                  "  - {name: off, when: {time: 0.1}, then: [{switch: {element: push, to: false}}]}\n"),
       "run.yaml");
-  ASSERT_FALSE(scenario.model.events.empty());
-  for (const Event& event : scenario.model.events)
-    if (event.name == "off") EXPECT_EQ(scenario.model.element_name(event.then.at(0).subject), "push");
+  const auto off = std::ranges::find(scenario.model.events, "off", &Event::name);
+  ASSERT_NE(off, scenario.model.events.end());
+  EXPECT_EQ(scenario.model.element_name(off->then.at(0).subject), "push");
 }
 
 // A box of 2 kg falls on the ground, a little tilted, and rocks; its surface is `shape`.
@@ -252,8 +253,8 @@ requirements:
 
 TEST(Contacts, AFaceThatRocksOnItsEndsIsUnresolvedAndFeetAreNot) {
   const AnalysedRun face(build_rocking("{box: {size: [0.2, 0.2, 0.2]}}"));
-  const hil::RunNotice* const notice = find_notice(face, "jump");
-  ASSERT_NE(notice, nullptr);
+  const auto notice = find_notice(face, "jump");
+  ASSERT_TRUE(notice.has_value());
   EXPECT_TRUE(notice->unresolved) << notice->text;
   EXPECT_EQ(notice->subject, "fall");
   EXPECT_FALSE(face.judge("turn").is_resolved());
@@ -262,7 +263,7 @@ TEST(Contacts, AFaceThatRocksOnItsEndsIsUnresolvedAndFeetAreNot) {
   for (const char* const corner : {"[0.1, 0.1, -0.1]", "[-0.1, 0.1, -0.1]", "[-0.1, -0.1, -0.1]", "[0.1, -0.1, -0.1]"})
     feet += std::string(feet.empty() ? "" : ", ") + "{sphere: {radius: 1 mm, centre: " + corner + "}}";
   const AnalysedRun standing(build_rocking(feet));
-  EXPECT_EQ(find_notice(standing, "jump"), nullptr);
+  EXPECT_FALSE(find_notice(standing, "jump").has_value());
   EXPECT_TRUE(standing.judge("turn").is_resolved());
 }
 
@@ -281,7 +282,7 @@ contacts:
   fall: {between: [ground.floor, roll], stiffness: 20 kN/m, damping: 1 s/m, friction: 0.3}
 )");
     EXPECT_GT(run.analysis.list_contacts()[0].totals.impulse, 0) << shape;
-    EXPECT_EQ(find_notice(run, "jump"), nullptr) << shape;
+    EXPECT_FALSE(find_notice(run, "jump").has_value()) << shape;
   }
 }
 

@@ -32,7 +32,7 @@ std::string list_notices(const AnalysedRun& run) {
   std::string text;
   for (const hil::RunNotice& notice : run.analysis.accuracy().get())
     text += notice.name + " " + notice.text + (notice.unresolved ? " [unresolved]" : "") + "\n";
-  return text + run.analysis.accuracy().describe_failure();
+  return text;
 }
 
 bool is_unresolved(const AnalysedRun& run) { return !run.judge("fast").unresolved.empty(); }
