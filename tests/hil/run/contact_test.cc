@@ -225,13 +225,14 @@ TEST(Contacts, ActionsReachTheirElementsBesideContacts) {
   const hil::Scenario scenario = hil::load_scenario_text(
       build_blow("stiffness: 0.2 MN/m",
                  "elements:\n"
-                 "  push: {type: pusher, between: [wall, ball], point: [1, 1, 0], follower_point: [0, 1, 0], stroke: 0.1, preload: 1, stiffness: 10}\n"
+                 "  push: {type: pusher, between: [wall, ball], point: [1, 1, 0], follower_point: [0, 1, 0], stroke: "
+                 "0.1, preload: 1, stiffness: 10}\n"
                  "events:\n"
-                 "  - {name: off, when: {time: 0.1}, then: [{switch: {element: push, to: false}}]}\n"),
+                 "  - {name: halt, when: {time: 0.1}, then: [{switch: {element: push, to: false}}]}\n"),
       "run.yaml");
-  const auto off = std::ranges::find(scenario.model.events, "off", &Event::name);
-  ASSERT_NE(off, scenario.model.events.end());
-  EXPECT_EQ(scenario.model.element_name(off->then.at(0).subject), "push");
+  const auto halt = std::ranges::find(scenario.model.events, "halt", &Event::name);
+  ASSERT_NE(halt, scenario.model.events.end());
+  EXPECT_EQ(scenario.model.element_name(halt->then.at(0).subject), "push");
 }
 
 // A box of 2 kg falls on the ground, a little tilted, and rocks; its surface is `shape`.

@@ -32,8 +32,8 @@ struct ContactParts {
 // The most closed pairs, bodies and auxiliary states of systems with implicit parts: for so many there is room.
 inline constexpr std::size_t kMostImplicitPairs = 8, kMostImplicitBodies = 16, kMostImplicitAuxiliary = 96;
 
-// True if parts may be implicit: they are automatic, there is room for them, and no springs of joints, modes, masses that
-// burn or rigid contacts have a method of their own.
+// True if parts may be implicit: they are automatic, there is room for them, and no springs of joints, modes, masses
+// that burn or rigid contacts have a method of their own.
 bool may_be_implicit(const PlanData& plan) noexcept;
 
 // Parts of the step that begins at the present state, `ev` being its evaluation: 1 if no contact is closed.
