@@ -17,9 +17,12 @@ struct TableLookup {
 // Of all laws of a valid model, in their order.
 std::vector<TableLookup> list_table_lookups(const Model& model);
 
-// Per law of a valid model, the bodies of the elements that read it; without the ground. kAny: directly or through
-// other laws.
-enum class Reading { kDirect, kAny };
+// Ways in which an element reads a law.
+enum class Reading {
+  kDirect,  // its size or coefficient is the law
+  kAny,     // directly, or through other laws
+};
+// Per law of a valid model, the bodies of the elements that read it; without the ground.
 std::vector<std::vector<int>> list_bodies_of_laws(const Model& model, Reading reading = Reading::kAny);
 
 // The laws that `law` reads, directly or through others, each behind those that it reads; `law` itself is the last.
