@@ -103,7 +103,8 @@ Quantity get_quantity(const Model& model, const Condition& condition) {
 }
 
 Quantity get_quantity(const Model& model, const Sensor& sensor) {
-  if (sensor.kind == Sensor::Kind::kQuantity) return model.quantities[at(sensor.subject)];
+  if (sensor.kind == Sensor::Kind::kQuantity)
+    return is_index(sensor.subject, model.quantities.size()) ? model.quantities[at(sensor.subject)] : Quantity{};
   const Named& named = kSensors[static_cast<std::size_t>(sensor.kind)];
   Quantity out;
   out.kind = named.kind;
@@ -116,11 +117,13 @@ Quantity get_quantity(const Model& model, const Sensor& sensor) {
 
 std::string get_unit(const Model& model, const Quantity& quantity) {
   const QuantityTraits& traits = get_traits(quantity.kind);
-  if (traits.of == SubjectOf::kChannel) {
+  // A subject that was misspelt has no number: the unit is that of its kind.
+  if (traits.of == SubjectOf::kChannel && is_index(quantity.subject, model.channels.size())) {
     const std::string& unit = model.channels[at(quantity.subject)].unit;
     return unit.empty() ? traits.unit : unit;
   }
-  if (traits.of == SubjectOf::kLaw) return model.laws[at(quantity.subject)].unit;
+  if (traits.of == SubjectOf::kLaw && is_index(quantity.subject, model.laws.size()))
+    return model.laws[at(quantity.subject)].unit;
   return traits.angular_unit != nullptr && is_angular(model, quantity, traits) ? traits.angular_unit : traits.unit;
 }
 
