@@ -30,9 +30,9 @@ joints:
 """
 
 # Verbs that write a text, or read files once: they catch no signal, and end by it at once.
-QUICK = {"check", "init", "import", "compile", "modes", "completion", "man", "preflight"}
+QUICK = {"check", "init", "import", "compile", "modes", "completion", "man", "preflight", "requirements"}
 # Verbs whose end a test below looks at.
-STOPPED = {"run", "campaign", "optimize", "hil", "linearize", "replay", "diff", "report", "export", "log", "watch", "telemetry"}
+STOPPED = {"run", "campaign", "optimize", "hil", "linearize", "replay", "diff", "report", "export", "log", "watch", "telemetry", "dossier"}
 
 
 def get_processor_s(process):
@@ -101,6 +101,14 @@ class StopsTest(ProcessTest):
         for number in SIGNALS:
             self.stop(number, UNLATCH, "linearize", scenario, "--until", "1e6", "--at", "9e5")
             self.stop(number, UNLATCH, "run", scenario, "--until", "1e6", "--tolerance", "1e-3")
+
+    def test_a_dossier_ends_and_writes_nothing(self):
+        scenario = self.folder / "long.yaml"
+        scenario.write_text(CHAOS.replace("until: 20 s", "until: 20000 s"))
+        page = self.folder / "dossier.html"
+        for number in SIGNALS:
+            self.assertEqual(self.stop(number, UNLATCH, "dossier", scenario, "--out", page), 1)
+            self.assertFalse(page.exists())
 
     def write_campaign(self):
         self.write_chaos()
