@@ -224,22 +224,38 @@ void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair)
   track.at_b = to_placement(window.calc_body(now_[pair].b, track.whole.get_time()));
 }
 
-// First zero, by bisection: between the knots, or before the bottom of a dip between them.
+// Bound on the speed at which the distance changes within a piece, m/s.
+double ClearanceHistory::calc_fastest(const MotionPiece& piece, std::size_t pair) const {
+  const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
+  const auto get = [&](std::span<const BodyState> bodies, std::span<const Spatial> accelerations) {
+    return calc_relative(pair, get_moving_body(bodies[a], accelerations[a]),
+                         get_moving_body(bodies[b], accelerations[b]));
+  };
+  const double h = piece.to - piece.from;
+  return calc_path(get(piece.start, piece.at_start), get(piece.end, piece.at_end), h) / h;
+}
+
+// First zero in a piece: between its ends, or before the bottom of a dip between them. A distance may be positive again
+// behind a zero (a mesh has no inside), so that no bracket finds the first: from the beginning of the piece the time
+// advances by what the distance cannot use up (conservative advancement).
 void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
                                   const TimeFunction& function) {
-  constexpr int kHalvings = 40;
+  constexpr int kMostLooks = 400;   // of a distance that changes ten times as slowly as it may, to rounding
+  constexpr double kTouch = 1e-12;  // of the piece's length: times nearer than this are one
   const Smallest& whole = tracks_[pair].whole;
   if (now_[pair].touch || !(whole.get_value() <= 0)) return;
-  double from = window.get_present().from, to = window.get_present().to;
-  if (!crosses) {
-    to = whole.get_time();
-    if (to <= from) from = window.get_previous().from;
+  const bool is_before = !crosses && whole.get_time() <= window.get_present().from;
+  const MotionPiece& piece = is_before ? window.get_previous() : window.get_present();
+  const double end = crosses ? piece.to : whole.get_time(), fastest = calc_fastest(piece, pair);
+  double time = piece.from;
+  for (int i = 0; i < kMostLooks && time < end; ++i) {
+    const double distance = function(time);
+    if (!(distance > 0)) break;
+    const double advance = distance / fastest;
+    if (!(advance > kTouch * (piece.to - piece.from))) break;
+    time += advance;
   }
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (from + to);
-    (function(middle) <= 0 ? to : from) = middle;
-  }
-  now_[pair].touch = to;
+  now_[pair].touch = std::min(time, end);
 }
 
 void ClearanceHistory::add(const MotionWindow& window) {

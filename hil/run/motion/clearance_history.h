@@ -85,6 +85,7 @@ class ClearanceHistory {
   void keep_places(const MotionWindow& window, std::size_t pair);
   void publish(std::size_t pair);
   void look_between_knots(const MotionPiece& piece, std::size_t pair);
+  [[nodiscard]] double calc_fastest(const MotionPiece& piece, std::size_t pair) const;
   void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const TimeFunction& function);
 
   Skipping skipping_;

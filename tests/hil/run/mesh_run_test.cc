@@ -79,6 +79,32 @@ requirements:
   EXPECT_EQ(run.judge("apart").value, 0);
 }
 
+// A ball flies through a hollow box of facets within one step of 20 ms: it touches the near wall, is inside, where no
+// triangle is near, and touches the far wall.
+TEST(MeshRun, AMeshThatIsPassedWithinAStepIsTouchedAtItsFirstWall) {
+  for (const double gap : {0.2, 0.50003, 0.7, 1.1, 1.3}) {
+    const std::string text = R"(unlatch: 1
+name: passing
+step: {dt: 20 ms, until: 0.1}
+bodies:
+  house: {mass: 1, inertia: [1, 1, 1], shape: [{mesh: {file: house.stl}}]}
+  ball: {mass: 1, inertia: [1, 1, 1], position: [0.01, 0.02, )" +
+                             std::to_string(0.25 + 0.0625 + gap) + R"(], velocity: [0, 0, -100], shape: [SHAPE]}
+clearance: all
+)" + hold("house.stl", build_box_facets({0.5, 0.5, 0.25})) +
+                             hold("ball.stl", build_box_facets({0.03125, 0.03125, 0.0625}));
+    for (const char* const shape : {"{sphere: {radius: 0.0625}}", "{mesh: {file: ball.stl}}"}) {
+      std::string own = text;
+      own.replace(own.find("SHAPE"), 5, shape);
+      const AnalysedRun run(own);
+      const hil::Clearance& clearance = run.analysis.clearances().at(0);
+      EXPECT_EQ(clearance.smallest, 0) << gap << " " << shape;
+      ASSERT_TRUE(clearance.touch.has_value()) << gap << " " << shape;
+      EXPECT_NEAR(*clearance.touch, gap / 100, kLocated) << gap << " " << shape;
+    }
+  }
+}
+
 TEST(MeshRun, PiecesThatAreSkippedChangeNoBit) {
   const hil::Scenario scenario = hil::load_scenario_text(build_mesh_passing(), "run.yaml");
   const auto simulation = hil::build_simulation(scenario);
