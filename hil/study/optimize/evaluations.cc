@@ -303,6 +303,16 @@ std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& po
 
 std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point,
                                                                    std::uint64_t round) const {
+  return problem_.campaign ? check(point, round, kMoreChecks * problem_.campaign->checks) : std::nullopt;
+}
+
+std::optional<DispersedCheck> OptimizeEvaluations::check_once(const OptimizePoint& point, std::uint64_t round) const {
+  return problem_.campaign ? check(point, round, problem_.campaign->checks) : std::nullopt;
+}
+
+// `most`: samples beyond which no open verdict is pursued.
+std::optional<DispersedCheck> OptimizeEvaluations::check(const OptimizePoint& point, std::uint64_t round,
+                                                         std::int64_t most) const {
   constexpr std::uint64_t kStreamsEach = 3;  // 1, 4 and 16 times as many
   constexpr std::int64_t kMore = 4, kMostChecks = 1'000'000;
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
@@ -324,8 +334,7 @@ std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const Optimiz
                     : one.bounds.low > allowed ? DispersedCheck::Verdict::kRefuted
                                                : DispersedCheck::Verdict::kOpen;
     }
-    const bool is_most =
-        check.samples >= kMoreChecks * problem_.campaign->checks || check.samples > kMostChecks / kMore;
+    const bool is_most = check.samples >= most || check.samples > kMostChecks / kMore;
     if (!check.has(DispersedCheck::Verdict::kOpen) || is_most) return check;
   }
 }

@@ -80,6 +80,9 @@ class OptimizeEvaluations {
   // more of them, each time four times as many new ones. Nothing: no constraint has a probability, the design has a
   // mistake, or `stop` was set.
   [[nodiscard]] std::optional<DispersedCheck> check_dispersed(const OptimizePoint& point, std::uint64_t round) const;
+  // Likewise with the campaign's `checks` fresh samples, whatever the verdict: for the points of a front, each with a
+  // round of its own.
+  [[nodiscard]] std::optional<DispersedCheck> check_once(const OptimizePoint& point, std::uint64_t round) const;
   static constexpr std::int64_t kMoreChecks = 16;
   // Intervals of the margins of the constraints with a probability, by the samples of the search.
   [[nodiscard]] std::vector<std::optional<Interval>> calc_margin_intervals(const OptimizePoint& point) const;
@@ -115,6 +118,8 @@ class OptimizeEvaluations {
   };
   class Batch;
 
+  [[nodiscard]] std::optional<DispersedCheck> check(const OptimizePoint& point, std::uint64_t round,
+                                                    std::int64_t most) const;
   [[nodiscard]] std::unique_ptr<DispersedPoint> fly(const OptimizePoint& point, const OptimizeFlights& flights) const;
   void run(std::span<OptimizeSample> samples) const;
   void keep(const SampleResult& result, OptimizeSample& sample) const;

@@ -36,6 +36,7 @@ class Search {
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
     confirm(found);
+    check_front();
     result_.late = evaluations_.is_late();
     if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
     if (!evaluations_.was_stopped()) evaluations_.finish_journal();
@@ -72,6 +73,19 @@ class Search {
     }
     if (!evaluations_.was_stopped())
       result_.intervals = evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
+  }
+
+  // Flies each point of a front with fresh samples, until the budget's seconds are over.
+  void check_front() {
+    if (!has_probabilities(problem_)) return;
+    for (std::size_t i = 0; i < result_.front.size(); ++i) {
+      const std::size_t sample = result_.front[i];
+      std::optional<DispersedCheck>& check = result_.front_checks.emplace_back();
+      if (sample == result_.best)
+        check = result_.check;
+      else if (!evaluations_.was_stopped() && !evaluations_.is_late())
+        check = evaluations_.check_once(evaluations_.get_samples()[sample].point, kRounds + 1 + i);
+    }
   }
 
   // Searches around a point with another demand. False: not even that point was flown.

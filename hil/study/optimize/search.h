@@ -28,11 +28,13 @@ struct OptimizeResult {
   bool exhaustive = false;                     // all combinations of the catalogues were tried
   bool late = false;                           // the search has used up the budget's seconds
   bool feasible = false;
-  bool settled = false;               // no point meets all constraints: the search of the least violation has converged
-  std::size_t best = 0;               // index of the optimum, or of the least violation
-  Violation violation;                // violation of the best sample
-  std::vector<std::size_t> against;   // constraints that are all near the largest violation: they limit it together
-  std::vector<std::size_t> front;     // samples, by the first objective; for several objectives
+  bool settled = false;              // no point meets all constraints: the search of the least violation has converged
+  std::size_t best = 0;              // index of the optimum, or of the least violation
+  Violation violation;               // violation of the best sample
+  std::vector<std::size_t> against;  // constraints that are all near the largest violation: they limit it together
+  std::vector<std::size_t> front;    // samples, by the first objective; for several objectives
+  // Of the points of the front, by fresh samples, where a constraint has a probability; empty: not flown.
+  std::vector<std::optional<DispersedCheck>> front_checks{};
   std::vector<LocalResult> searches;  // local searches, in their order
   std::int64_t flights = 0;  // dispersed samples by which the best was found; 0: no constraint has a probability
   std::optional<DispersedCheck> check;               // of the best, by fresh samples

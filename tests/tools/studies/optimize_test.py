@@ -161,6 +161,36 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(ask("document.getElementById('search-title').textContent"), "Pareto front")
         self.assertEqual([len(self.browser.find_layers("search", name)[0]["x"]) for name in ("front", "chosen")], [len(front), 1])
 
+    def test_each_point_of_a_front_is_flown_with_fresh_samples(self):
+        (self.folder / "c.yaml").write_text("unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 10\nseed: 3\nparameters:\n"
+                                            "  m: {path: bodies.block.mass, uniform: [0.9 kg, 1.1 kg]}\n")
+        text = FRONT.replace("runs: 2000", "runs: 200") + ("campaign: {file: c.yaml, samples: 10, checks: 400}\n"
+                                                           "constraints: [{requirement: far, probability: 0.9}]\n")
+        process = self.start(text, "o")
+        printed, errors = process.communicate(timeout=250)
+        result = json.loads((self.folder / "o/result.json").read_text())
+        front, named = result["front"], ("confirmed", "open", "refuted")
+        self.assertGreater(len(front), 5, printed + errors)
+        for point in front:
+            self.assertIn(point["verdict"], named)
+            (checked,) = point["dispersed"]
+            self.assertGreaterEqual(checked["samples"], 400)
+            # By the masses that fail: (a + b) / (sqrt(8) m) < 1, m uniform.
+            a, b = point["point"]
+            failing = min(1, max(0, (1.1 - (a + b) / 8 ** 0.5) / 0.2))
+            self.assertLess(abs(checked["failed"] / checked["samples"] - failing), 5 * (failing * (1 - failing) / checked["samples"]) ** 0.5 + 2 / checked["samples"])
+            self.assertEqual(point["verdict"], checked["verdict"])
+        self.assertGreater(sum(point["verdict"] != "confirmed" for point in front), 0)  # ten samples have too few heavy blocks
+        with open(self.folder / "o/front.csv") as file:
+            self.assertEqual([row["verdict"] for row in csv.DictReader(file)], [point["verdict"] for point in front])
+        counts = {verdict: sum(point["verdict"] == verdict for point in front) for verdict in named}
+        told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
+        self.assertIn(f"in front.csv; fresh samples: {told}", printed)
+        ask = self.look_at("o")
+        drawn = [len(self.browser.find_layers("search", name)[0]["x"]) for name in ("front", "unsure")]
+        self.assertEqual(drawn, [counts["confirmed"], counts["open"] + counts["refuted"]])
+        self.assertIn("not confirmed by fresh samples", ask("document.getElementById('search-keys').textContent"))
+
     def test_the_page_of_three_objectives_shows_the_front_in_each_pair(self):
         text = FRONT.replace("{minimise: b}]", "{minimise: b}, {maximise: a*b}]").replace("runs: 2000", "runs: 200")
         front = self.optimize(text, "o", code=None)["front"]

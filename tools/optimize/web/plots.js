@@ -31,6 +31,12 @@ const pickRun = ({ kept }, k) => { byId('picked').textContent = describe(kept[k]
 const layRuns = (list, x, y) => [['others', 'dim', 0.35, list.filter((run) => !isMet(run))], ['met', 'blue', 0.8, list.filter(isMet)]]
   .map(([name, colour, alpha, kept]) => ({ kind: 'points', name, colour, alpha, kept, x: kept.map(x), y: kept.map(y) }));
 
+// Points of the front: those that fresh samples confirm, or that need none, and the others.
+const isSure = (point) => (point.verdict ?? 'confirmed') === 'confirmed';
+const layFront = (front, i, k) => [['front', 'red', front.filter(isSure)], ['unsure', 'amber', front.filter((point) => !isSure(point))]]
+  .filter(([name, , kept]) => name === 'front' || kept.length > 0)
+  .map(([name, colour, kept]) => ({ kind: 'points', name, colour, shape: 'ring', size: 4, x: kept.map((point) => point.objectives[i]), y: kept.map((point) => point.objectives[k]) }));
+
 // One pair of objectives: runs, the front, the chosen point.
 function drawPair(place, found, i, k, height) {
   const met = found.filter(isMet), shown = met.length > 0 ? met : found, front = result.front ?? [];
@@ -39,7 +45,7 @@ function drawPair(place, found, i, k, height) {
   const inside = (run) => run.objectives[i] >= x[0] && run.objectives[i] <= x[1] && run.objectives[k] >= y[0] && run.objectives[k] <= y[1];
   plot(place, { height, x: { label: withUnit(nameOf(a), a.unit), range: x, pad: 0.03 }, y: { label: withUnit(nameOf(b), b.unit), range: y, pad: 0.03 }, pick: pickRun, layers: [
     ...layRuns(found.filter(inside), (run) => run.objectives[i], (run) => run.objectives[k]),
-    { kind: 'points', name: 'front', colour: 'red', shape: 'ring', size: 4, x: front.map((point) => point.objectives[i]), y: front.map((point) => point.objectives[k]) },
+    ...layFront(front, i, k),
     ...(chosen.every((v) => v !== null) ? [{ kind: 'points', name: 'chosen', colour: 'amber', shape: 'diamond', size: 7, x: [chosen[0]], y: [chosen[1]] }] : [])] });
 }
 function showFront(found) {
@@ -57,6 +63,7 @@ function showFront(found) {
   key('search-keys', 'blue', 'meets all constraints');
   key('search-keys', 'dim', 'does not');
   key('search-keys', 'red', 'front');
+  if ((result.front ?? []).some((point) => !isSure(point))) key('search-keys', 'amber', 'front, not confirmed by fresh samples');
   key('search-keys', 'amber', 'patch.yaml');
 }
 function showSearch(found) {

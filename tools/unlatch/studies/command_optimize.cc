@@ -181,7 +181,7 @@ int optimize(const OptimizeOptions& options) {
       report.verification = verify(problem, patch, best);
     if (problem.tolerance > 0 && report.verification.end == OptimizeVerification::End::kDone)
       report.verification.step_error = calc_step_error(problem, best.point, catch_interrupts());
-    if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
+    if (!result.front.empty()) write_text(write_front(report), (out / "front.csv").string());
   }
   const nlohmann::ordered_json json = build_optimize_json(report);
   write_json(json, (out / "result.json").string());

@@ -16,8 +16,6 @@ using hil::OptimizeSample;
 using hil::OptimizeVariable;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kCheckNames[] = {"confirmed", "open", "refuted"};
-
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json build_variables(const OptimizeProblem& problem, const hil::OptimizePoint& point) {
@@ -67,7 +65,7 @@ Json build_constraints(const OptimizeReport& report, const OptimizeSample& best)
       one["probability"] = constraint.probability;
       one["part"] = best.demand.parts[i];
       const auto* const check = find_check(report, i);
-      one["verdict"] = check != nullptr ? Json(kCheckNames[static_cast<std::size_t>(check->verdict)]) : Json(nullptr);
+      one["verdict"] = check != nullptr ? Json(get_name(check->verdict)) : Json(nullptr);
       const auto& interval = i < report.result.intervals.size() ? report.result.intervals[i] : std::nullopt;
       one["margin_interval"] = interval ? Json{number(interval->low), number(interval->high)} : Json(nullptr);
     }
@@ -90,6 +88,34 @@ Json build_slices(const OptimizeReport& report) {
   return all;
 }
 
+// What fresh samples say of a constraint with a probability.
+Json build_check(const OptimizeReport& report, std::size_t constraint, const hil::DispersedCheck& check) {
+  const hil::DispersedCheck::Constraint& own = check.constraints[constraint];
+  return {{"id", report.problem.constraints[constraint].name},
+          {"samples", check.samples},
+          {"failed", own.failed},
+          {"unresolved", check.unresolved},
+          {"probability", {own.bounds.low, own.bounds.high}},
+          {"allowed", get_allowed(report, constraint)},
+          {"verdict", get_name(own.verdict)}};
+}
+
+Json build_front(const OptimizeReport& report) {
+  Json front = Json::array();
+  for (std::size_t place = 0; place < report.result.front.size(); ++place) {
+    const std::size_t i = report.result.front[place];
+    const OptimizeSample& sample = report.evaluations.get_samples()[i];
+    Json point{{"run", i + 1}, {"point", sample.point}, {"objectives", sample.objectives}};
+    if (const char* const verdict = find_front_verdict(report, place); verdict != nullptr) point["verdict"] = verdict;
+    if (place < report.result.front_checks.size() && report.result.front_checks[place])
+      for (std::size_t k = 0; k < report.problem.constraints.size(); ++k)
+        if (report.problem.constraints[k].probability > 0)
+          point["dispersed"].push_back(build_check(report, k, *report.result.front_checks[place]));
+    front.push_back(std::move(point));
+  }
+  return front;
+}
+
 Json build_verification(const OptimizeReport& report) {
   const OptimizeVerification& verification = report.verification;
   Json json{{"finished", is_finished(report)}};
@@ -100,14 +126,7 @@ Json build_verification(const OptimizeReport& report) {
   json["hash"] = to_hex(verification.hash);
   if (verification.step_error) json["step_error"] = *verification.step_error;
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
-    if (const auto* const check = find_check(report, i))
-      json["dispersed"].push_back({{"id", report.problem.constraints[i].name},
-                                   {"samples", report.result.check->samples},
-                                   {"failed", check->failed},
-                                   {"unresolved", report.result.check->unresolved},
-                                   {"probability", {check->bounds.low, check->bounds.high}},
-                                   {"allowed", get_allowed(report, i)},
-                                   {"verdict", kCheckNames[static_cast<std::size_t>(check->verdict)]}});
+    if (find_check(report, i) != nullptr) json["dispersed"].push_back(build_check(report, i, *report.result.check));
   return json;
 }
 
@@ -171,10 +190,7 @@ Json build_optimize_json(const OptimizeReport& report) {
                                 {"met", meets_all(end)}});
   }
   json["sensitivities"] = build_sensitivities(report);
-  for (const std::size_t i : result.front)
-    json["front"].push_back({{"run", i + 1},
-                             {"point", evaluations.get_samples()[i].point},
-                             {"objectives", evaluations.get_samples()[i].objectives}});
+  if (!result.front.empty()) json["front"] = build_front(report);
   json["slices"] = build_slices(report);
   json["verification"] = build_verification(report);
   return json;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "hil/study/statistics/statistics.h"
 #include "tools/common/terminal.h"
@@ -62,6 +63,17 @@ void print_verification(std::FILE* to, const OptimizeReport& report) {
         to,
         "  the samples of the search were too few to decide: raise campaign.samples and campaign.most, or lower "
         "the probability\n");
+}
+
+// What fresh samples say of the points of a front: "; fresh samples: 20 confirmed, 2 open", or nothing.
+std::string describe_front(const OptimizeReport& report) {
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t place = 0; place < report.result.front.size(); ++place)
+    if (const char* const verdict = find_front_verdict(report, place); verdict != nullptr) ++counts[verdict];
+  std::string text;
+  for (const auto& [verdict, number] : counts)
+    text += (text.empty() ? "; fresh samples: " : ", ") + std::to_string(number) + " " + verdict;
+  return text;
 }
 
 }  // namespace
@@ -142,7 +154,8 @@ void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
     std::fprintf(to, "  best of each local search: %s\n", ends.c_str());
   }
   if (!result.front.empty())
-    std::fprintf(to, "  Pareto front: %s in front.csv\n", count(result.front.size(), "point").c_str());
+    std::fprintf(to, "  Pareto front: %s in front.csv%s\n", count(result.front.size(), "point").c_str(),
+                 describe_front(report).c_str());
   print_verification(to, report);
 }
 
@@ -161,17 +174,21 @@ std::string write_patch(const OptimizeProblem& problem, const hil::OptimizePoint
   return text + "--- # included: " + file + "\n" + problem.tree->get_nominal().text;
 }
 
-std::string write_front(const OptimizeProblem& problem, const hil::OptimizeEvaluations& evaluations,
-                        const OptimizeResult& result) {
+std::string write_front(const OptimizeReport& report) {
+  const OptimizeProblem& problem = report.problem;
   std::string text = "run";
   for (const OptimizeVariable& variable : problem.variables) text += "," + variable.name;
   for (const Objective& objective : problem.objectives) text += ",\"" + objective.text + "\"";
+  if (find_front_verdict(report, 0) != nullptr) text += ",verdict";
   text += "\n";
-  for (const std::size_t i : result.front) {
-    const OptimizeSample& sample = evaluations.get_samples()[i];
+  for (std::size_t place = 0; place < report.result.front.size(); ++place) {
+    const std::size_t i = report.result.front[place];
+    const OptimizeSample& sample = report.evaluations.get_samples()[i];
     text += std::to_string(i + 1);
     for (const double value : sample.point) text += "," + hil::to_text(value);
     for (const double value : sample.objectives) text += "," + hil::to_text(value);
+    if (const char* const verdict = find_front_verdict(report, place); verdict != nullptr)
+      text += std::string(",") + verdict;
     text += "\n";
   }
   return text;

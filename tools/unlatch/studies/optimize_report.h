@@ -40,7 +40,6 @@ nlohmann::ordered_json build_optimize_json(const OptimizeReport& report);
 
 // A scenario: the problem's `set` and the variables at this point, and the scenario's files within it.
 std::string write_patch(const hil::OptimizeProblem& problem, const hil::OptimizePoint& point);
-std::string write_front(const hil::OptimizeProblem& problem, const hil::OptimizeEvaluations& evaluations,
-                        const hil::OptimizeResult& result);  // CSV
+std::string write_front(const OptimizeReport& report);  // CSV
 
 }  // namespace unlatch::tools

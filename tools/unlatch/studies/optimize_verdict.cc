@@ -59,6 +59,19 @@ const hil::DispersedCheck::Constraint* find_check(const OptimizeReport& report, 
   return &report.result.check->constraints[constraint];
 }
 
+const char* get_name(Verdict verdict) {
+  return verdict == Verdict::kConfirmed ? "confirmed" : verdict == Verdict::kOpen ? "open" : "refuted";
+}
+
+const char* find_front_verdict(const OptimizeReport& report, std::size_t place) {
+  if (!hil::has_probabilities(report.problem)) return nullptr;
+  const auto& checks = report.result.front_checks;
+  if (place >= checks.size() || !checks[place]) return "unverified";
+  for (const Verdict verdict : {Verdict::kRefuted, Verdict::kOpen})
+    if (checks[place]->has(verdict)) return get_name(verdict);
+  return get_name(Verdict::kConfirmed);
+}
+
 double get_allowed(const OptimizeReport& report, std::size_t constraint) {
   return 1 - report.problem.constraints[constraint].probability;
 }

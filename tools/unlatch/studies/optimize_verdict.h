@@ -13,6 +13,10 @@ std::string get_status(const OptimizeReport& report);
 
 // Verdict of fresh samples on a constraint with a probability; null: it has none, or they were not flown to the end.
 const hil::DispersedCheck::Constraint* find_check(const OptimizeReport& report, std::size_t constraint);
+// Verdict of fresh samples on a point of the front: "confirmed", "open", "refuted"; "unverified": they were not flown;
+// null: no constraint has a probability.
+const char* find_front_verdict(const OptimizeReport& report, std::size_t place);
+const char* get_name(hil::DispersedCheck::Verdict verdict);
 double get_allowed(const OptimizeReport& report, std::size_t constraint);  // probability of failure
 
 // The result meets the constraint; one with a probability if fresh samples confirm it.
