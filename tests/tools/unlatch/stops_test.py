@@ -6,7 +6,9 @@
 The second is one of the process's processor time, so that a busy machine changes nothing.
 """
 import os
+import re
 import signal
+import subprocess
 import time
 from pathlib import Path
 
@@ -26,6 +28,11 @@ joints:
   h: {between: [ground, a], follower_point: [-0.5, 0, 0], modes: {hinge: {kind: revolute, axis: y}}}
   k: {between: [a, b], point: [0.5, 0, 0], follower_point: [0, 0, -0.5], modes: {hinge: {kind: revolute, axis: y}}}
 """
+
+# Verbs that write a text, or read files once: they catch no signal, and end by it at once.
+QUICK = {"check", "init", "import", "compile", "modes", "completion", "man", "preflight"}
+# Verbs whose end a test below looks at.
+STOPPED = {"run", "campaign", "optimize", "hil", "linearize", "replay", "diff", "report", "export", "log", "watch", "telemetry"}
 
 
 def get_processor_s(process):
@@ -47,6 +54,10 @@ class StopsTest(ProcessTest):
         process.returncode = os.waitstatus_to_exitcode(status)
         self.assertLess(usage.ru_utime + usage.ru_stime - worked, ENOUGH, arguments)
         return process.returncode
+
+    def test_every_verb_is_walked_through(self):
+        listed = subprocess.run([UNLATCH, "--help"], capture_output=True, text=True, check=True).stdout.partition("Subcommands:")[2]
+        self.assertEqual(set(re.findall(r"^  ([a-z]+) ", listed.partition("\n\n")[0], re.MULTILINE)), QUICK | STOPPED)
 
     def write_chaos(self):
         scenario = self.folder / "chaos.yaml"
@@ -77,13 +88,19 @@ class StopsTest(ProcessTest):
                       "--until", "1e6", "--json", result)
             self.assertIn('"interrupted"', result.read_text())
 
-    def test_replay_report_and_export_end(self):
+    def test_replay_diff_report_and_export_end(self):
         log = self.folder / "long.log"
         self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "1000", "--log", log)
         for number in SIGNALS:
-            for more in (["replay", log], ["report", log, "--out", self.folder / "r.html"],
+            for more in (["replay", log], ["diff", log, log], ["report", log, "--out", self.folder / "r.html"],
                          ["export", log, "--format", "csv", "--out", self.folder / "e.csv"]):
                 self.stop(number, UNLATCH, *more)
+
+    def test_a_linear_model_of_a_late_state_and_a_search_for_the_step_end(self):
+        scenario = self.write_chaos()
+        for number in SIGNALS:
+            self.stop(number, UNLATCH, "linearize", scenario, "--until", "1e6", "--at", "9e5")
+            self.stop(number, UNLATCH, "run", scenario, "--until", "1e6", "--tolerance", "1e-3")
 
     def write_campaign(self):
         self.write_chaos()
@@ -122,6 +139,7 @@ budget: {runs: 100000}
     def test_listeners_and_flight_software_end(self):
         for number in SIGNALS:
             for arguments in ((UNLATCH, "watch", "--transport", "udp"), (UNLATCH, "log", "--transport", "udp", "--out", self.folder / "l.log"),
+                              (UNLATCH, "telemetry", "--transport", "udp", "--live", "127.0.0.1:0"),
                               (BIN / "unlatch-fsw", "--transport", "udp")):
                 process = self.begin(*arguments)
                 time.sleep(0.7)
