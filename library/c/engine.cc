@@ -224,10 +224,10 @@ unlatch_status Engine::get_findings(const unlatch_finding** findings, std::size_
   finding_views_.clear();
   for (const hil::Finding& finding : *findings_)
     finding_views_.push_back({0, 0, 0, 0, finding.name.c_str(), finding.where.c_str(), finding.text.c_str()});
-  if (const hil::NoticeWatch* const notices = get_notices())
-    for (const hil::RunNotice& notice : notices->get())
-      finding_views_.push_back({1, notice.unresolved, notice.time, notice.worst_time, notice.name.c_str(),
-                                notice.subject.c_str(), notice.text.c_str()});
+  told_ = get_notices() != nullptr ? get_notices()->get() : std::vector<hil::RunNotice>{};
+  for (const hil::RunNotice& notice : told_)
+    finding_views_.push_back({1, notice.unresolved, notice.time, notice.worst_time, notice.name.c_str(),
+                              notice.subject.c_str(), notice.text.c_str()});
   *findings = finding_views_.data();
   *count = finding_views_.size();
   return UNLATCH_OK;

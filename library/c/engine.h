@@ -133,6 +133,7 @@ class Engine {
   std::vector<hil::Verdict> verdicts_;
   std::vector<unlatch_verdict> verdict_views_;
   std::optional<std::vector<hil::Finding>> findings_;  // about the scenario, from the first call on
+  std::vector<hil::RunNotice> told_;                   // notices of finding_views_
   std::vector<unlatch_finding> finding_views_;
   std::optional<LinearView> linear_;  // of the latest linearize()
 };

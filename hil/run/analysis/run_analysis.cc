@@ -123,12 +123,13 @@ void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& before, c
 
 std::vector<Verdict> RunAnalysis::judge() const {
   std::vector<Verdict> verdicts = requirements_.judge(window_);
+  const UnresolvedBodies unresolved = accuracy_.get_unresolved();
   for (Verdict& verdict : verdicts) {
     const Requirement& requirement = scenario_.requirements[verdict.requirement];
     // A value of an instant depends on what came before it; a search over an interval, on all of it.
     const bool is_instant = verdict.evaluated && (requirement.at.is_named() || requirement.is_of_events());
     const double until = is_instant ? verdict.time : requirements_.get_end(verdict.requirement);
-    verdict.unresolved = accuracy_.get_unresolved().find_cause(requirement, until);
+    verdict.unresolved = unresolved.find_cause(requirement, until);
   }
   return verdicts;
 }

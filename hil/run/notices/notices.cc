@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "hil/run/audit/step_audit.h"
 #include "hil/run/notices/contact_resolution.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
@@ -34,6 +35,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
     : scenario_(scenario),
       simulation_(simulation),
       dt_(simulation.plan().get_options().dt),
+      steps_(std::make_unique<StepAudit>(simulation)),
       unresolved_(scenario.model, simulation.plan()),
       turning_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
@@ -60,6 +62,8 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       Workspace(simulation.plan(), {static_cast<std::byte*>(std::align(kAlignment, bytes, first, space)), bytes});
 }
 
+NoticeWatch::~NoticeWatch() = default;
+
 void NoticeWatch::add(std::string name, std::string subject, std::string text, std::span<const int> unresolved) {
   const double time = simulation_.get_time();
   if (!unresolved.empty())
@@ -70,7 +74,7 @@ void NoticeWatch::add(std::string name, std::string subject, std::string text, s
 std::string NoticeWatch::describe_unresolved() const {
   std::string text;
   std::size_t count = 0;
-  for (const RunNotice& notice : notices_) {
+  for (const RunNotice& notice : get()) {
     if (!notice.unresolved) continue;
     ++count;
     if (count == 1) text = notice.name + (notice.subject.empty() ? "" : " " + notice.subject) + ": " + notice.text;
@@ -79,6 +83,7 @@ std::string NoticeWatch::describe_unresolved() const {
 }
 
 void NoticeWatch::update(const StepReport& report) {
+  steps_->update(report);
   if (audit_) audit_->update(report);
   if (!report.events.empty()) unresolved_.spread(simulation_.state(), simulation_.get_time());
   watch_bodies();
@@ -109,7 +114,6 @@ void NoticeWatch::update(const StepReport& report) {
   watch_loops(report);
   if (audit_) watch_drift();
   watch_search(report);
-  if (audit_) watch_energy();
   begun_ = true;
 }
 
@@ -366,37 +370,6 @@ void NoticeWatch::watch_drift() {
   if (drift <= limit) return;
   drifted_ = true;
   add("drift", "", format("a joint's rows are off by %.3g m or rad, beyond %.3g", drift, limit));
-}
-
-void NoticeWatch::watch_energy() {
-  const EnergyBalance& energy = audit_->get();
-  const double size = std::abs(energy.unexplained) - audit_->calc_doubt();
-  fail_energy(energy, size);
-  if (const EnergyBalance* const steady = audit_->find_steady())
-    fail_energy(*steady, std::abs(steady->unexplained) - audit_->calc_steady_doubt());
-  if (unexplained_ || size <= kEnergyNotice * energy.scale) return;
-  unexplained_ = true;
-  add("energy", "",
-      format("no force explains %+.3g J of the motion, beyond %.1g of its largest energy, %.3g J", energy.unexplained,
-             kEnergyNotice, energy.scale));
-}
-
-void NoticeWatch::fail_energy(const EnergyBalance& energy, double size) {
-  if (size <= kEnergyFailure * energy.scale) return;
-  failed_balance_ = energy;
-  if (failed_) return;
-  failed_ = true;
-  failed_time_ = simulation_.get_time();
-  unresolved_.add(list_all_bodies(scenario_.model), "energy: no force explains more than a tenth of it", failed_time_,
-                  simulation_.state());
-}
-
-std::string NoticeWatch::describe_failure() const {
-  if (!failed_) return "";
-  return format(
-      "no force explains %+.3g J of the motion, from %.6g s on more than a tenth of its largest energy, %.3g J: "
-      "the step does not resolve it",
-      failed_balance_.largest, failed_time_, failed_balance_.scale);
 }
 
 }  // namespace unlatch::hil

@@ -18,30 +18,31 @@
 //   drift      a row's position residual; norm: that of a body's quaternion
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   cell*      a law that forces read looked a table up at places between which, from one tick to the next, there are
-//   whole
-//              cells of one of its axes, which were not seen
+//              whole cells of one of its axes, which were not seen
 //   beside*    a pusher with a guide pushes a follower whose point is farther beside the guide than the stroke is long:
-//   it
-//              has come back, but not onto the pusher
+//              it has come back, but not onto the pusher
 //   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
-//   energy*    energy that no force explains, beyond kEnergyNotice of the largest: a notice; beyond kEnergyFailure
-//              every body is unresolved
+//   step*      a body whose motion the step does not resolve, as steps of half the length show (step_audit.h)
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "hil/run/audit/energy_audit.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
-#include "hil/run/notices/energy_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/run/notices/unresolved_bodies.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::hil {
+
+class StepAudit;
+struct StepError;
 
 struct RunNotice {
   double time = 0;            // s, the first
@@ -52,23 +53,23 @@ struct RunNotice {
 };
 
 inline constexpr double kCoincident = 1e-9;  // m: below it the direction between two points is rounding
-inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // relative to EnergyBalance::scale
 
 class NoticeWatch {
  public:
   // `audits`: with the drift of joints and the audit of energy, which cost the most.
   NoticeWatch(const Scenario& scenario, const Simulation& simulation, bool audits = true);
+  ~NoticeWatch();
 
   // The distance that an event waits for was below its threshold within a step.
   void report_unseen(const UnseenClearance& unseen);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
-  [[nodiscard]] const std::vector<RunNotice>& get() const { return notices_; }
+  // Notices so far. Those of the audit of the step are about the whole run so far, and come last.
+  [[nodiscard]] std::vector<RunNotice> get() const;
   [[nodiscard]] const EnergyBalance& get_energy() const { return audit_->get(); }  // with audits only
   // Sentence that names what is unresolved, or empty.
   [[nodiscard]] std::string describe_unresolved() const;
-  [[nodiscard]] const UnresolvedBodies& get_unresolved() const { return unresolved_; }
-  // Sentence if the motion is not that of the model: the unexplained energy has been beyond kEnergyFailure. Else empty.
-  [[nodiscard]] std::string describe_failure() const;
+  [[nodiscard]] UnresolvedBodies get_unresolved() const;
+  [[nodiscard]] const StepAudit& get_steps() const { return *steps_; }
 
  private:
   // History of a commanded value.
@@ -103,12 +104,12 @@ class NoticeWatch {
   void watch_loops(const StepReport& report);
   void watch_drift();
   void watch_search(const StepReport& report);
-  void watch_energy();
-  void fail_energy(const EnergyBalance& energy, double size);
+  [[nodiscard]] std::string describe(const StepError& error) const;
 
   const Scenario& scenario_;
   const Simulation& simulation_;
   const double dt_;
+  const std::unique_ptr<StepAudit> steps_;
   std::optional<EnergyAudit> audit_;
   std::vector<RunNotice> notices_;
   UnresolvedBodies unresolved_;
@@ -129,9 +130,7 @@ class NoticeWatch {
   bool postponed_ = false, unlocated_ = false, unseen_ = false, cornered_ = false;  // reported searches for events
   std::int32_t redundant_ = 0;                                                      // rows of loops at the latest tick
   bool nearly_redundant_ = false;                                                   // reported
-  bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
-  double failed_time_ = 0;
-  EnergyBalance failed_balance_;  // the latest that failed
+  bool drifted_ = false, begun_ = false;
   std::vector<std::byte> memory_;
   Workspace workspace_;  // workspace of frequencies
 };

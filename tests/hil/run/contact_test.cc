@@ -1,6 +1,7 @@
 // Contacts of the language, and their results in a run, against closed forms.
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "hil/run/analysis/accuracy.h"
 #include "hil/run/findings/findings.h"
@@ -27,10 +28,10 @@ contacts:
          law + "}\n" + rest;
 }
 
-const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& name) {
+std::optional<hil::RunNotice> find_notice(const AnalysedRun& run, const std::string& name) {
   for (const hil::RunNotice& notice : run.analysis.accuracy().get())
-    if (notice.name == name) return &notice;
-  return nullptr;
+    if (notice.name == name) return notice;
+  return std::nullopt;
 }
 
 TEST(Contacts, ABlowHasItsForceImpulseAndTimes) {
@@ -60,7 +61,7 @@ TEST(Contacts, ABlowHasItsForceImpulseAndTimes) {
   EXPECT_NEAR(run.judge("impulse").value, 12, 1e-5);
   EXPECT_NEAR(run.judge("touch").value, half, kLocated);
   EXPECT_EQ(run.analysis.timeline.size(), 2u);
-  EXPECT_EQ(find_notice(run, "contact"), nullptr);
+  EXPECT_FALSE(find_notice(run, "contact").has_value());
 }
 
 TEST(Contacts, EstimatedErrorsBoundTheTrueOnesOfABlow) {
@@ -118,7 +119,7 @@ TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
   const AnalysedRun run(text);
   EXPECT_TRUE(run.analysis.list_contacts()[0].closed_at_start);
   EXPECT_FALSE(run.analysis.list_contacts()[0].touch.has_value());
-  ASSERT_NE(find_notice(run, "contact"), nullptr);
+  ASSERT_TRUE(find_notice(run, "contact").has_value());
   EXPECT_NE(find_notice(run, "contact")->text.find("closed at the start"), std::string::npos);
   const auto at_start = hil::build_simulation(run.scenario);
   bool found = false;
@@ -129,7 +130,7 @@ TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
 
 TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
   const AnalysedRun run(build_blow("stiffness: 2000 MN/m"));  // √(k/m)·h = 3.95
-  ASSERT_NE(find_notice(run, "contact"), nullptr);
+  ASSERT_TRUE(find_notice(run, "contact").has_value());
   EXPECT_NE(find_notice(run, "contact")->text.find("sqrt(k/m)·h"), std::string::npos);
 }
 

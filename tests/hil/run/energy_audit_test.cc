@@ -1,5 +1,5 @@
 // The audit of energy and the notices of a run, against closed forms.
-#include "hil/run/notices/energy_audit.h"
+#include "hil/run/audit/energy_audit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ elements:
   thruster: {type: thrust, body: a, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 1500, frequency: 6, phase: 0}]}}
 )");
   EXPECT_THAT(run.get_names(), testing::IsEmpty());
-  EXPECT_EQ(run.watch.describe_failure(), "");
+  EXPECT_EQ(run.watch.describe_unresolved(), "");
 }
 
 // The work grows as the twelfth power of time: in the first ticks no formula has it from the powers at the ticks, and
@@ -90,35 +90,7 @@ elements:
   push: {type: force, body: a, direction: [1, 0, 0], profile: {expression: "1e8 * time^5 * 1 N/s^5"}}
 )");
   EXPECT_THAT(run.get_names(), testing::IsEmpty());
-  EXPECT_EQ(run.watch.describe_failure(), "");
-}
-
-std::string push_alone(const std::string& law, const std::string& dt) {
-  return "unlatch: 1\nname: alone\nstep: {dt: " + dt + R"(, until: 1}
-bodies: {ball: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0]}}
-quantities: {place: {position: {body: ball, component: x}}, pace: {velocity: {body: ball, component: x}}}
-elements: {push: {type: force, body: ball, frame: world, direction: [1, 0, 0], profile: {expression: ")" +
-         law + "\"}}}\n";
-}
-
-// A free body has no energy about its own centre of mass: an observer who moves on steadily judges its motion. At 10 ms
-// these laws drive it away, or push within one step.
-TEST(EnergyAudit, AFreeBodyWhoseStepDoesNotResolveItsForceFails) {
-  for (const char* const law :
-       {"-1e5 N/m * place", "-400 N*s/m * pace", "100 N * exp(-((time - 0.505 s) / (1 ms))^2)"}) {
-    EXPECT_NE(Audited(push_alone(law, "10 ms")).watch.describe_failure(), "") << law;
-    EXPECT_EQ(Audited(push_alone(law, "0.1 ms")).watch.describe_failure(), "") << law;
-  }
-}
-
-// The motion is exact on both sides of a jump; between two jumps in one step no tick has the power.
-TEST(EnergyAudit, LawsThatJumpAreNotCalledUnresolved) {
-  for (const char* const law :
-       {"if_less(time, 0.5 s, 0 N, if_less(time, 0.5001 s, 100 N, 0 N))", "if_less(time, 0.5 s, 0 N, 10 N)",
-        "if_less(time, 0.5037 s, 0 N, 10 N)", "if_less(time, 0.5 s, 0 N, if_less(time, 0.506 s, 100 N, 0 N))",
-        "if_less(abs(time - 0.505 s), 2 ms, 100 N, 0 N)"})
-    for (const char* const dt : {"10 ms", "1 ms"})
-      EXPECT_EQ(Audited(push_alone(law, dt)).watch.describe_failure(), "") << law << " at " << dt;
+  EXPECT_EQ(run.watch.describe_unresolved(), "");
 }
 
 TEST(EnergyAudit, ASpringAndItsDamperBalanceAsTheClosedFormSays) {
@@ -206,18 +178,18 @@ TEST(EnergyAudit, AFlightOfKilometresASecondHidesNoSpring) {
   EXPECT_LT(run.get_part(), kBalances);
 }
 
-TEST(EnergyAudit, AnUnresolvedSpringDoesNotBalanceAndFailsTheRun) {
+TEST(EnergyAudit, AnUnresolvedSpringDoesNotBalance) {
   const Audited run(spring("6e6", "0"));  // h·ω = 2.4: stable, and damped by the method
-  EXPECT_GT(run.get_part(), hil::kEnergyFailure);
-  EXPECT_NE(run.watch.describe_failure(), "");
-  EXPECT_THAT(run.get_names(), ::testing::UnorderedElementsAre("spring s", "energy "));
+  EXPECT_GT(run.get_part(), 0.1);
+  EXPECT_NE(run.watch.describe_unresolved(), "");
+  EXPECT_THAT(run.get_names(), ::testing::UnorderedElementsAre("spring s", "step a", "step b"));
   EXPECT_EQ(run.watch.get()[0].time, 0);
 }
 
 TEST(EnergyAudit, AMarginalSpringIsToldAndDoesNotFail) {
   const Audited run(spring("9e4", "0"));  // h·ω = 0.3: 5e-6 of the energy a step
   EXPECT_THAT(run.get_names(), ::testing::Contains("spring s"));
-  EXPECT_EQ(run.watch.describe_failure(), "");
+  EXPECT_EQ(run.watch.describe_unresolved(), "");
 }
 
 TEST(Notices, ABodyThatTurnsFarInAStepIsToldOnceWithItsFirstTime) {

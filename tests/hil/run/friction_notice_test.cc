@@ -1,5 +1,6 @@
 // Notices of pushers and of friction that the step does not resolve.
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "hil/run/findings/findings.h"
@@ -8,10 +9,10 @@
 namespace unlatch::test {
 namespace {
 
-const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& name, const std::string& subject) {
+std::optional<hil::RunNotice> find_notice(const AnalysedRun& run, const std::string& name, const std::string& subject) {
   for (const hil::RunNotice& notice : run.analysis.accuracy().get())
-    if (notice.name == name && notice.subject == subject) return &notice;
-  return nullptr;
+    if (notice.name == name && notice.subject == subject) return notice;
+  return std::nullopt;
 }
 
 std::string find_forecast(const std::string& text, const std::string& name, const std::string& where) {
@@ -46,29 +47,29 @@ elements:
 TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s");
   const AnalysedRun run(text);
-  const hil::RunNotice* const notice = find_notice(run, "friction", "drag");
-  ASSERT_NE(notice, nullptr);
+  const std::optional<hil::RunNotice> notice = find_notice(run, "friction", "drag");
+  ASSERT_TRUE(notice.has_value());
   EXPECT_EQ(notice->time, 0);
   EXPECT_NEAR(read_number_before(notice->text, ": beyond what is stable"), 7.5, 0.01);
   EXPECT_NE(notice->text.find("a step of 2.65e-05 s would do"), std::string::npos) << notice->text;
   EXPECT_NE(find_forecast(text, "friction", "element 'drag'"), "");
   const std::string resolved = build_slider("coefficient: 0.3, speed: 5 cm/s");  // 150 1/s
-  EXPECT_EQ(find_notice(AnalysedRun(resolved), "friction", "drag"), nullptr);
+  EXPECT_FALSE(find_notice(AnalysedRun(resolved), "friction", "drag").has_value());
   EXPECT_EQ(find_forecast(resolved, "friction", "element 'drag'"), "");
 }
 
 // Sliding with 2 m/s, friction changes the speed slowly: 3.75 1/s.
 TEST(FrictionNotices, AJointThatOnlySlidesIsNotTold) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s", 2);
-  EXPECT_EQ(find_notice(AnalysedRun(text), "friction", "drag"), nullptr);
+  EXPECT_FALSE(find_notice(AnalysedRun(text), "friction", "drag").has_value());
   EXPECT_EQ(find_forecast(text, "friction", "element 'drag'"), "");
 }
 
 // 30 N decelerate it by 7.5 m/s²: it sticks after 0.0133 s, after which the notice has its time.
 TEST(FrictionNotices, AJointThatComesToStickIsToldThen) {
   const AnalysedRun run(build_slider("coefficient: 0.3, speed: 1 mm/s", 0.1));
-  const hil::RunNotice* const notice = find_notice(run, "friction", "drag");
-  ASSERT_NE(notice, nullptr);
+  const std::optional<hil::RunNotice> notice = find_notice(run, "friction", "drag");
+  ASSERT_TRUE(notice.has_value());
   EXPECT_GT(notice->time, 0.005);
   EXPECT_LT(notice->time, 0.0133 + 0.001);
 }
@@ -87,7 +88,7 @@ elements:
   bearing: {type: joint_friction, joint: pin, axis: rot_z, coefficient: 0.5, radius: 0.2, speed: 1 mm/s}
 )";
   const AnalysedRun run(text);
-  ASSERT_NE(find_notice(run, "friction", "bearing"), nullptr);
+  ASSERT_TRUE(find_notice(run, "friction", "bearing").has_value());
   EXPECT_NEAR(read_number_before(find_notice(run, "friction", "bearing")->text, ": not resolved"), 2, 0.01);
 }
 
@@ -107,11 +108,11 @@ elements:
 TEST(FrictionNotices, AStiffPusherIsTold) {
   const std::string stiff = build_pusher("preload: 50 kN, stiffness: 1 MN/m");  // √(1e6 · 1) · 1 ms
   const AnalysedRun run(stiff);
-  ASSERT_NE(find_notice(run, "spring", "push"), nullptr);
+  ASSERT_TRUE(find_notice(run, "spring", "push").has_value());
   EXPECT_NE(find_notice(run, "spring", "push")->text.find("dt·omega 1:"), std::string::npos);
   EXPECT_NE(find_forecast(stiff, "step", "element 'push'"), "");
   const std::string soft = build_pusher("preload: 100 N, stiffness: 1 kN/m");
-  EXPECT_EQ(find_notice(AnalysedRun(soft), "spring", "push"), nullptr);
+  EXPECT_FALSE(find_notice(AnalysedRun(soft), "spring", "push").has_value());
   EXPECT_EQ(find_forecast(soft, "step", "element 'push'"), "");
 }
 
@@ -119,11 +120,11 @@ TEST(FrictionNotices, AStiffPusherIsTold) {
 TEST(FrictionNotices, APushersFrictionIsTold) {
   const std::string text = build_pusher("preload: 100 N, stiffness: 1 kN/m, friction: 5 N, friction_speed: 1 mm/s");
   const AnalysedRun run(text);
-  ASSERT_NE(find_notice(run, "friction", "push"), nullptr);
+  ASSERT_TRUE(find_notice(run, "friction", "push").has_value());
   EXPECT_NEAR(read_number_before(find_notice(run, "friction", "push")->text, ": beyond what is stable"), 5, 0.01);
   EXPECT_NE(find_forecast(text, "friction", "element 'push'"), "");
   const std::string soft = build_pusher("preload: 100 N, stiffness: 1 kN/m, friction: 5 N, friction_speed: 5 cm/s");
-  EXPECT_EQ(find_notice(AnalysedRun(soft), "friction", "push"), nullptr);
+  EXPECT_FALSE(find_notice(AnalysedRun(soft), "friction", "push").has_value());
 }
 
 }  // namespace

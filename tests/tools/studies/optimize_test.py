@@ -163,7 +163,7 @@ class OptimizeTest(ProcessTest):
 
     def test_each_point_of_a_front_is_flown_with_fresh_samples(self):
         (self.folder / "c.yaml").write_text("unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 10\nseed: 3\nparameters:\n"
-                                            "  m: {path: bodies.block.mass, uniform: [0.9 kg, 1.1 kg]}\n")
+                                            "  m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}\n")
         text = FRONT.replace("runs: 2000", "runs: 200") + ("campaign: {file: c.yaml, samples: 10, checks: 400}\n"
                                                            "constraints: [{requirement: far, probability: 0.9}]\n")
         process = self.start(text, "o")

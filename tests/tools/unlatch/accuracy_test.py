@@ -211,7 +211,7 @@ class AccuracyTest(ProcessTest):
         self.assertEqual(report["status"], "unresolved")
         named = {notice["name"]: notice for notice in report["notices"]}
         self.assertAlmostEqual(named["accuracy.spring"]["t"], 0.1, delta=0.0015)
-        self.assertAlmostEqual(named["accuracy.energy"]["t"], 0.1, delta=0.0035)
+        self.assertAlmostEqual(named["accuracy.step"]["t"], 0.1, delta=0.0035)
         soft = self.run_json(UNLATCH, "run", self.write(PAIR.replace("STIFFNESS", "4e4").replace("LENGTH", "1.1")))
         self.assertEqual(soft["notices"], [])
         speeds = [body["v"][0] for body in soft["samples"][-1]["bodies"].values()]

@@ -126,8 +126,7 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
 }
 
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message) {
-  std::string failure = analysis.accuracy().describe_failure();
-  if (failure.empty()) failure = analysis.accuracy().describe_unresolved();
+  const std::string failure = analysis.accuracy().describe_unresolved();
   if (failure.empty() || status != "ok") return false;
   status = "unresolved";
   message += (message.empty() ? "" : "; ") + failure;

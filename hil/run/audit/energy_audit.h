@@ -4,16 +4,16 @@
 // modes and leaving mass; an event may add the energy that its plastic impulse removes. Work is the integral of powers
 // at the ticks: by Adams and Moulton's formulas through four or three of them (E. Hairer, Nørsett, Wanner: Solving
 // Ordinary Differential Equations I, III.1), by the trapezoidal rule next to events, changed commands and corners of
-// loads' tables. What the next lower order would have given shows how far the integral may be wrong: a power that sets
-// in sharply from rest is not known from its ticks alone. All energies are relative to the centre of mass,
-// so that a flight speed of km/s hides nothing; ticks in which a joint or contact holds a body to the ground are
-// relative to the ground. Cost: one pass over bodies and elements a tick; off the cyclic thread.
+// loads' tables or of laws. A power that changes within a step is not known from its ticks alone, so that the balance
+// is a figure for people, and no verdict: what the step does not resolve is found by the audit of the step
+// (step_audit.h). All energies are relative to the centre of mass, so that a flight speed of km/s hides nothing; ticks
+// in which a joint or contact holds a body to the ground are relative to the ground. Cost: one pass over bodies and
+// elements a tick; off the cyclic thread.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
@@ -38,11 +38,8 @@ struct EnergyBalance {
 class EnergyObserver {
  public:
   void begin(const EnergyFlow& flow);
-  // Powers over a tick. kSmooth: no event, command or corner in it; kBroken: some; kUnknown: corners of laws within it,
-  // between which the powers are not known, so that what it leaves unexplained is doubt.
-  enum class Powers { kSmooth, kBroken, kUnknown };
-  // One tick: from `start` over its pieces to `reached`.
-  void begin_tick(Powers powers);
+  // One tick: from `start` over its pieces to `reached`. `smooth`: no event, command or corner in it.
+  void begin_tick(bool smooth);
   void add_piece(const EnergyFlow& from, const EnergyFlow& to, double h);
   void add_impulse(double kinetic);
   void finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time);
@@ -50,19 +47,15 @@ class EnergyObserver {
   void forget() { known_ = 0; }
 
   [[nodiscard]] const EnergyBalance& get() const { return balance_; }
-  // Energy that the integrals of powers may explain, J.
-  [[nodiscard]] double calc_doubt() const;
 
  private:
   void add_trapezoid(const EnergyFlow& from, const EnergyFlow& to, double h);
   void add_smooth(const EnergyFlow& from, const EnergyFlow& to, double h);
 
-  EnergyFlow earlier_{}, oldest_{};    // at the beginnings of the last two ticks
-  int known_ = 0;                      // how many of them the present tick continues smoothly
-  Powers powers_ = Powers::kBroken;    // of the present tick
-  double tick_work_ = 0;               // J
-  double coarse_ = 0;                  // J: possible error of the trapezoidal rule
-  double apart_ = 0, most_apart_ = 0;  // J: between the formula that is used and that of the next lower order; at most
+  EnergyFlow earlier_{}, oldest_{};  // at the beginnings of the last two ticks
+  int known_ = 0;                    // how many of them the present tick continues smoothly
+  bool smooth_ = false;              // the present tick
+  double tick_work_ = 0;             // J
   EnergyBalance balance_;
 };
 
@@ -74,12 +67,6 @@ class EnergyAudit {
   void update(const StepReport& report);
   // As an observer sees it who follows the centre of mass, or stands on the ground that holds the system.
   [[nodiscard]] const EnergyBalance& get() const { return following_.get(); }
-  // As one sees it who moves on as the centre of mass did when nothing held the system to the ground any more: the
-  // motion of the centre itself is judged here. Null while something does.
-  [[nodiscard]] const EnergyBalance* find_steady() const { return steady_ ? &steady_->get() : nullptr; }
-  // Energy that rounding and the integrals of powers may explain, J.
-  [[nodiscard]] double calc_doubt() const { return following_.calc_doubt() + calc_rounding(); }
-  [[nodiscard]] double calc_steady_doubt() const { return steady_ ? steady_->calc_doubt() + calc_rounding() : 0; }
 
  private:
   void begin();
@@ -90,7 +77,6 @@ class EnergyAudit {
   // True if the table of a load that is on has a knot between the two times, s.
   [[nodiscard]] bool has_corner(double from, double to) const;
   void keep(const EnergyFlow& flow, const AuditFrame& frame);
-  [[nodiscard]] double calc_rounding() const;
 
   const Simulation& simulation_;
   std::vector<int> implicit_;      // elements that the plan integrates implicitly
@@ -105,10 +91,7 @@ class EnergyAudit {
   EnergyFlow now_{};    // at the last tick, relative to the centre of mass
   bool begun_ = false;
   bool grounded_ = false;  // the last tick was seen from the ground
-  double fastest_ = 0;     // J, largest kinetic energy relative to rest
   EnergyObserver following_;
-  std::optional<EnergyObserver> steady_;
-  Vec3 steady_velocity_{};  // m/s, world axes
 };
 
 }  // namespace unlatch::hil

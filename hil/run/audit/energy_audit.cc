@@ -1,10 +1,9 @@
-#include "hil/run/notices/energy_audit.h"
+#include "hil/run/audit/energy_audit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 
 #include "unlatch/model/law_places.h"
 
@@ -108,48 +107,30 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
   const bool grounded = frame_.grounded || frame.grounded;
-  bool smooth = report.audits.empty() && !has_corner(end - dt, end);
+  bool smooth = report.audits.empty() && !has_corner(end - dt, end) && !(corners_ && report.substeps > 1);
   const EnergyFlow start = calc_start(smooth);
   if (grounded != grounded_) following_.forget();
-  if (grounded)
-    steady_.reset();
-  else if (!steady_) {
-    steady_.emplace().begin(start);
-    steady_velocity_ = frame_.velocity;
-  }
   const bool implicit = is_implicit();
-  using Powers = EnergyObserver::Powers;
-  const bool split = corners_ && report.audits.empty() && report.substeps > 1;
-  const Powers powers = split ? Powers::kUnknown : (smooth ? Powers::kSmooth : Powers::kBroken);
-  const auto add = [&](EnergyObserver& observer, const auto& see, const auto& see_event) {
+  const auto add = [&](const auto& see, const auto& see_event) {
     const EnergyFlow from = see(start, frame_), reached = see(flow, frame);
-    observer.begin_tick(powers);
+    following_.begin_tick(smooth);
     EnergyFlow last = from;
     double time = end - dt;
     for (const EventAudit& audit : report.audits) {
-      observer.add_piece(last, see_event(audit.flow_before), audit.time - time);
-      observer.add_impulse(audit.allowed.kinetic);
+      following_.add_piece(last, see_event(audit.flow_before), audit.time - time);
+      following_.add_impulse(audit.allowed.kinetic);
       last = see_event(audit.flow_after);
       time = audit.time;
     }
-    observer.add_piece(last, reached, end - time);
-    observer.finish_tick(from, reached, implicit, end);
+    following_.add_piece(last, reached, end - time);
+    following_.finish_tick(from, reached, implicit, end);
   };
   if (grounded)
-    add(
-        following_, [](const EnergyFlow& seen, const AuditFrame& from) { return change_frame(seen, -from.velocity); },
+    add([](const EnergyFlow& seen, const AuditFrame& from) { return change_frame(seen, -from.velocity); },
         [](const EnergyFlow& seen) { return seen; });
   else
-    add(
-        following_, [](const EnergyFlow& seen, const AuditFrame&) { return seen; },
+    add([](const EnergyFlow& seen, const AuditFrame&) { return seen; },
         [](const EnergyFlow& seen) { return change_frame(seen, (1 / seen.mass) * seen.momentum); });
-  if (steady_)
-    add(
-        *steady_,
-        [&](const EnergyFlow& seen, const AuditFrame& from) {
-          return change_frame(seen, steady_velocity_ - from.velocity);
-        },
-        [&](const EnergyFlow& seen) { return change_frame(seen, steady_velocity_); });
   grounded_ = grounded;
   keep(flow, frame);
 }
@@ -160,25 +141,16 @@ void EnergyAudit::keep(const EnergyFlow& flow, const AuditFrame& frame) {
   const std::span<const std::byte> bytes = simulation_.state().get_bytes();
   std::memcpy(block_.data(), bytes.data(), bytes.size());
   inputs_.assign(simulation_.get_inputs().begin(), simulation_.get_inputs().end());
-  fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_.velocity, frame_.velocity));
-}
-
-double EnergyAudit::calc_rounding() const {
-  // Each tick rounds every velocity about once: the errors add like a random walk, with a margin of some ten
-  // operations.
-  constexpr double kOperations = 16;
-  const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
-  return kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
 }
 
 void EnergyObserver::begin(const EnergyFlow& flow) {
   balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
 }
 
-void EnergyObserver::begin_tick(Powers powers) {
+void EnergyObserver::begin_tick(bool smooth) {
   tick_work_ = 0;
-  powers_ = powers;
-  if (powers != Powers::kSmooth) known_ = 0;
+  smooth_ = smooth;
+  if (!smooth) known_ = 0;
 }
 
 void EnergyObserver::add_piece(const EnergyFlow& from, const EnergyFlow& to, double h) {
@@ -197,38 +169,27 @@ void EnergyObserver::add_impulse(double kinetic) {
   tick_work_ += kinetic;
 }
 
-// For a power that only rises, or only falls, the error of the trapezoidal rule is at most h/2 of the change: that much
-// if a force begins from zero with a high power of time.
 void EnergyObserver::add_trapezoid(const EnergyFlow& from, const EnergyFlow& to, double h) {
-  double change = 0;
   for (std::size_t i = 0; i < balance_.work.size(); ++i) {
     const double work = 0.5 * h * (from.power[i] + to.power[i]);
-    change += to.power[i] - from.power[i];
     balance_.work[i] += work;
     tick_work_ += work;
   }
-  coarse_ += 0.5 * h * std::abs(change);
 }
 
 void EnergyObserver::add_smooth(const EnergyFlow& from, const EnergyFlow& to, double h) {
   for (std::size_t i = 0; i < balance_.work.size(); ++i) {
     const double second = to.power[i] - 2 * from.power[i] + earlier_.power[i];
-    double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]), apart = -h / 12 * second;
-    if (known_ > 1) {
-      apart = -h / 24 * (second - (from.power[i] - 2 * earlier_.power[i] + oldest_.power[i]));
-      work += apart;
-    }
-    apart_ += apart;
+    double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]);
+    if (known_ > 1) work -= h / 24 * (second - (from.power[i] - 2 * earlier_.power[i] + oldest_.power[i]));
     balance_.work[i] += work;
     tick_work_ += work;
   }
-  most_apart_ = std::max(most_apart_, std::abs(apart_));
 }
 
 void EnergyObserver::finish_tick(const EnergyFlow& start, const EnergyFlow& reached, bool implicit, double time) {
   const double gained = reached.kinetic - start.kinetic, unexplained = gained - tick_work_;
   balance_.kinetic += gained;
-  if (powers_ == Powers::kUnknown) coarse_ += std::abs(unexplained);
   (unexplained < 0 && implicit ? balance_.numerical : balance_.unexplained) += unexplained;
   balance_.scale = std::max(balance_.scale, reached.kinetic + reached.strain);
   if (!(std::abs(balance_.unexplained) <= std::abs(balance_.largest))) {
@@ -237,14 +198,7 @@ void EnergyObserver::finish_tick(const EnergyFlow& start, const EnergyFlow& reac
   }
   oldest_ = earlier_;
   earlier_ = start;
-  known_ = powers_ == Powers::kSmooth ? std::min(known_ + 1, 2) : 0;
-}
-
-double EnergyObserver::calc_doubt() const {
-  // A power that grows like the eleventh power of time from rest is wrong by three and a half times the difference, one
-  // that jumps at a tick by nine times.
-  constexpr double kOrders = 12;
-  return coarse_ + kOrders * most_apart_;
+  known_ = smooth_ ? std::min(known_ + 1, 2) : 0;
 }
 
 }  // namespace unlatch::hil
