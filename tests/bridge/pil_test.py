@@ -78,6 +78,9 @@ class ProcessorInTheLoopTest(ProcessTest):
     def test_a_simulator_on_a_cortex_m7_flies_the_hashes_of_dds(self):
         self.check_simulator("mps2-an500", "dds")
 
+    def test_a_simulator_on_riscv64_flies_the_same_hashes(self):
+        self.check_simulator("riscv64")
+
     def test_a_noisy_line_to_a_cortex_m7_changes_no_bit(self):
         program = self.build("mps2-an500", SHORT) / "simulator"
         draw = random.Random(SEED)
