@@ -17,7 +17,9 @@ OTHERS = {"s", "ms", "us", "ns", "is", "was", "has", "its", "as", "this", "diffe
 NEVER_ONE = {
     "hil/session/realtime/preflight.cc: bytes": "a limit of memory",
     "hil/scenario/language/scenario_sources.cc: bytes": "a limit",
+    "hil/run/notices/step_notices.cc: steps": "of all, after some dozen",
     "kernel/compile/validate.cc: bodies": "more than the most",
+    "kernel/elements/kinds/contact/rigid_contact_model.cc: pairs": "more than the most",
     "tools/unlatch/check/command_check.cc: corners": "a constant, eight",
     "tools/watch/screen.cc: times": "more than once",
 }
