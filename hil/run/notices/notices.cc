@@ -289,10 +289,9 @@ void NoticeWatch::watch_jumps() {
         jumping_[at(jump.contact)], "jump", contact.name, part,
         [&] {
           return format(
-              "its point jumps along a face or a straight line, up to %.3g m from one tick to the next (%d in all), and "
-              "%.2g of the rotation depends on which end bears the force; give the body feet, spheres at the corners "
-              "or "
-              "ends, each a shape of its surface",
+              "its point jumps along a face or a straight line, up to %.3g m from one tick to the next (%d in all); "
+              "%.2g of the rotation depends on which end bears the force; give the body feet: spheres at its "
+              "corners or ends, each a shape of its surface",
               jump.way, jump.count, part);
         },
         part > kJumpFailure ? list_contact_bodies(scenario_.model, jump.contact) : std::vector<int>{});

@@ -24,9 +24,8 @@ constexpr PartName kPartNames[kMotionParts] = {
 std::string NoticeWatch::describe(const StepError& error) const {
   const PartName part = kPartNames[static_cast<int>(error.part)];
   return format(
-      "the steps make an error of some %.2g %s in its %s, which changed by %.3g %s, as %lld of %lld steps show that "
-      "were "
-      "taken again as two halves: a smaller step would do",
+      "the steps make an error of some %.2g %s in its %s, which changed by %.3g %s, as %lld of %lld steps show "
+      "that were taken again as two halves: a smaller step would do",
       error.error, part.unit, part.name, error.change, part.unit, static_cast<long long>(steps_->get_compared()),
       static_cast<long long>(steps_->get_ticks()));
 }
