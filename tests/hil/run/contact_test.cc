@@ -248,7 +248,7 @@ bodies:
 contacts:
   fall: {between: [ground.floor, box], stiffness: 20 kN/m, damping: 1 s/m}
 requirements:
-  - {id: turn, rate: box, at_most: 100}
+  - {id: turn, rate: {body: box}, at_most: 100}
 )";
 }
 
