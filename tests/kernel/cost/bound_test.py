@@ -35,13 +35,16 @@ def main():
         return 77
     first = int(sys.argv[2]) if len(sys.argv) > 2 else FIRST
     print(f"seeds from {first}")
-    worst, steps, above = 0, 0, 0
+    worst, steps, above, unmeasured = 0, 0, 0, 0
     with tempfile.TemporaryDirectory() as name:
         folder, left, seed = Path(name), SYSTEMS, first
         while left > 0:
             image = folder / (run([models, "images", folder, seed, 1]).strip() + ".plan")
             seed += 1
             if image.stat().st_size > MOST_BYTES:
+                continue
+            if run([models, "bound", "x86-64"], input=f"{image} 1 1\n").strip() == "unmeasured":
+                unmeasured += 1
                 continue
             left -= 1
             counted = count_steps(models, image, folder)[1:]  # the first begins without an evaluation of its state
@@ -53,7 +56,7 @@ def main():
                 if share > 1:
                     above += 1
                     print(f"{image.stem}: {integrations} integrations, {rounds} rounds: {count} instructions, bound {bound}")
-    print(f"{steps} steps, the largest {worst:.3f} of its bound, {above} above")
+    print(f"{steps} steps, the largest {worst:.3f} of its bound, {above} above; {unmeasured} systems have no bound, since their contacts choose implicit parts")
     return 1 if above or steps < SYSTEMS * TICKS / 2 else 0
 
 
