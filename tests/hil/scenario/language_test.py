@@ -260,7 +260,7 @@ class LanguageTest(unittest.TestCase):
             r"unknown (policy|row|axis|joint kind|element type|sensor type|frame|action|condition) '")
         refused = 0
         mapping = [p for p in self.list_paths(EVERYTHING) if p and not FREE & set(p) and p[0] != "include"]
-        for i in range(600):
+        for i in range(240):
             path = rng.choice(mapping)
             document = copy.deepcopy(EVERYTHING)
             for key in ("set", "include"):  # with these, a missing key may come from elsewhere
@@ -288,7 +288,7 @@ class LanguageTest(unittest.TestCase):
             if errors:
                 self.assertTrue(mistakes, note)
                 refused += 1
-        self.assertGreater(refused, 200)
+        self.assertGreater(refused, 80)
 
     # `y` is the exception: PyYAML, libyaml and similar tools read it as a word.
     def test_no_key_and_no_word_means_something_else_in_yaml_1_1(self):
