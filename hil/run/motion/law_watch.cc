@@ -265,7 +265,7 @@ void LawWatch::judge(Watched& watched, const Piece& piece, const Course& whole) 
   }
   const double largest = watched.largest;
   const std::optional<PassedOver> passed = measure(watched, piece, whole);
-  if (!passed)  // as at the last steps: what bounds cannot tell is not worth many looks
+  if (!passed)  // as at the last steps: what bounds cannot decide is not worth many looks
     watched.evaluations = std::max(watched.evaluations / 2, kFewestEvaluations);
   else if (rises && watched.largest <= kSteep * largest)
     keep(*passed, false);

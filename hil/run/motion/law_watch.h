@@ -2,8 +2,8 @@
 //
 // A step sees a force at its beginning, in its middle and at its end, and weighs it there by 1/6, 4/6, 1/6. A pulse
 // that is over before the middle, or a jump that is not written with `if_less`, acts on no stage, or on some by chance.
-// After the step the bounds of each law over it (LawCourses) tell whether some function in it may do so. If one may,
-// the step is bisected until they tell no more, down to 1/4096 of it; the integral is then that of the law, and is
+// After the step the bounds of each law over it (LawCourses) show if some function in it may do so. If one may,
+// the step is bisected until they show no more, down to 1/4096 of it; the integral is then that of the law, and is
 // compared with the one that the stages took. Quantities that the law reads follow, between the ticks, the parabola
 // through the latest three.
 //
