@@ -121,6 +121,8 @@ std::string describe_fault(const StepReport& report, std::int64_t tick, const Mo
     text += " at joint '" + model.joints[static_cast<std::size_t>(report.joint)].name + "'";
   if (report.contact >= 0 && static_cast<std::size_t>(report.contact) < model.contacts.size())
     text += " at contact '" + model.contacts[static_cast<std::size_t>(report.contact)].name + "'";
+  if (report.wedged)
+    text += ": its friction outgrows what its normal force decides, so that no motion follows (it wedges, Painlevé)";
   if (report.table >= 0 && static_cast<std::size_t>(report.table) < model.tables.size())
     text += ": " + describe_exit(model.tables[static_cast<std::size_t>(report.table)], report.exit);
   return text + ", tick " + std::to_string(tick) + " (t = " + std::to_string(static_cast<double>(tick) * dt) + " s)";

@@ -158,8 +158,12 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   return true;
 }
 
-// Rounds at one instant for each pair of a rigid contact.
-constexpr std::size_t kRigidRounds = 8;
+// Rounds at one instant for each pair of a rigid contact, and for each that has friction.
+constexpr std::size_t kRigidRounds = 8, kRoughRounds = 40;
+std::size_t calc_rigid_rounds(const PlanData& plan) {
+  const std::size_t rough = at(count_rigid_rows(plan) - plan.rigid_pairs) / 2;
+  return kRigidRounds * (at(plan.rigid_pairs) - rough) + kRoughRounds * rough;
+}
 
 // All rounds at one instant at which something is due. Out of line: at most instants nothing is.
 [[gnu::noinline]] StepStatus act_in_rounds(Run& run, double now, std::span<const double> tolerances) {
@@ -171,7 +175,7 @@ constexpr std::size_t kRigidRounds = 8;
   // contact was switched. So there are at most twice as many rounds as events and pairs.
   // Rigid contacts may take several pivots each.
   begin_rigid_pairs(run);
-  for (std::size_t round = 0; round <= 2 * ev.guards.size() + kRigidRounds * at(plan.rigid_pairs); ++round) {
+  for (std::size_t round = 0; round <= 2 * ev.guards.size() + calc_rigid_rounds(plan); ++round) {
     if (round > 0 && !is_any_due(plan, now, state, ev, tolerances) && !wants_rigid_pair(run)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});

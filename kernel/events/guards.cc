@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/quantities/quantities.h"
@@ -100,6 +101,18 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
   return stack[0];
 }
 
+// Guard of a closed pair of a rigid contact: its force falls to zero, or its friction begins or ends to hold it.
+double calc_held_guard(const Instant& now, const Evaluation& ev, std::size_t pair) {
+  if (!is_held(now.state.contacts[pair])) return kYes;
+  const double lift = -ev.pair_forces[pair] - std::numeric_limits<double>::min();
+  const PlanContact& contact = now.plan.contacts[at(now.plan.contact_pairs[pair].contact)];
+  if (contact.friction > 0 && now.state.contacts[pair].closed == 1) {
+    const Vec3& slip = now.state.rigid_slips[pair];
+    if (!(dot(slip, slip) > 0)) return kYes;  // it is not decided whether it sticks
+  }
+  return contact.friction > 0 ? std::max(lift, ev.pair_slides[pair]) : lift;
+}
+
 // Guards of pairs of shapes: touch of open ones, lift of closed ones. Shapes of a contact that is off count as apart.
 void update_pair_guards(const Instant& now, Evaluation& ev) {
   update_open_pairs(now, ev);
@@ -109,7 +122,7 @@ void update_pair_guards(const Instant& now, Evaluation& ev) {
     const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;
     const bool off = calc_scale(now.state.elements[at(element)], now.t) == 0;
     if (pair.closed != 0 && now.plan.contacts[at(now.plan.contact_pairs[i].contact)].rigid)
-      guards[i] = off || pair.closed != 1 ? kYes : -ev.pair_forces[i] - std::numeric_limits<double>::min();
+      guards[i] = off ? kYes : calc_held_guard(now, ev, i);
     else if (pair.closed != 0)
       guards[i] = off ? kYes : ev.pair_distances[i] - pair.edge;
     else

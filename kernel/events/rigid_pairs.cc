@@ -6,6 +6,7 @@
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/balance.h"
 #include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/events/rigid_friction.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/rigid_rows.h"
 #include "kernel/solver/loops/loop_rows.h"
@@ -17,9 +18,8 @@ namespace {
 constexpr std::int64_t kTouched = 1;  // in this round
 constexpr std::int64_t kSettles = 2;  // it touched, and does not bounce
 constexpr std::int64_t kPulled = 4;   // it was opened at this instant because its force would pull
-
-// Values of ContactState::closed.
-constexpr std::int64_t kOpen = 0, kClosed = 1, kLeaves = 2;
+constexpr std::int64_t kTurn = 8;     // times the number of its slip's turns at this instant
+constexpr std::int64_t kMostTurns = 32;
 
 // m: a pair that bounced touches again this much nearer, one that was opened at rest; a located touch is no deeper.
 constexpr double kBounced = 1e-12, kRested = 1e-10, kDeepest = 1e-8;
@@ -49,20 +49,33 @@ double calc_gap_acceleration(const Run& run, const RigidRow& row) {
 double calc_largest_force(const Run& run) {
   double largest = 0;
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
-    if (run.state().contacts[i].closed == kClosed && get_contact(run.plan, i).rigid)
+    if (is_held(run.state().contacts[i]) && get_contact(run.plan, i).rigid)
       largest = std::max(largest, std::abs(run.ev().pair_forces[i]));
   return largest;
 }
 
 bool would_overlap(const Run& run, std::size_t pair, double largest_force) {
-  if ((run.search().rigid[pair] & kPulled) == 0 || run.state().contacts[pair].closed != kOpen) return false;
+  if ((run.search().rigid[pair] & kPulled) == 0 || run.state().contacts[pair].closed != kPairOpen) return false;
   RigidRow row;
   return calc_row(run, pair, row) && calc_gap_acceleration(run, row) < -kNothing * row.free * largest_force;
 }
 
+// A pair with friction that closes has yet to be found sticking or slipping.
+void forget_friction(Run& run, std::size_t pair) {
+  if (run.state().rigid_slips.empty()) return;
+  run.state().rigid_slips[pair] = {0, 0, 0};
+  run.ev().pair_frictions[pair] = {0, 0, 0};
+}
+
 void open(Run& run, std::size_t pair, double nearer) {
-  run.state().contacts[pair] = {kOpen, std::min(0.0, run.ev().pair_distances[pair]) - nearer};
+  run.state().contacts[pair] = {kPairOpen, std::min(0.0, run.ev().pair_distances[pair]) - nearer};
   run.ev().pair_forces[pair] = 0;
+  forget_friction(run, pair);
+}
+
+void close(Run& run, std::size_t pair) {
+  run.state().contacts[pair] = {kPairClosed, 0};
+  forget_friction(run, pair);
 }
 
 // Closes a pair. Its next flight would last 2 e |w⁻| / g at the acceleration −g of the gap. False if its contact was
@@ -70,7 +83,7 @@ void open(Run& run, std::size_t pair, double nearer) {
 bool begin_touch(Run& run, double now, std::size_t pair) {
   std::int64_t& flags = run.search().rigid[pair];
   flags = kTouched;
-  run.state().contacts[pair] = {kClosed, 0};
+  close(run, pair);
   const PlanContact& contact = get_contact(run.plan, pair);
   run.ev().rigid.failed = run.plan.contact_pairs[pair].contact;
   RigidRow row;
@@ -86,23 +99,41 @@ bool begin_touch(Run& run, double now, std::size_t pair) {
   return true;
 }
 
-// Opens or closes the first pair that has the wrong sign; 0 if none has.
+// Slips that begin take the directions of their accelerations, all at once; 0 if they have them.
+int turn_slips(Run& run) {
+  int count = 0;
+  for (std::size_t i = 0; i < run.state().rigid_slips.size(); ++i) {
+    Vec3 direction;
+    if (run.search().rigid[i] >= kMostTurns * kTurn || !would_turn(run, i, direction)) continue;
+    turn_slip(run, i, direction);
+    run.search().rigid[i] += kTurn;
+    ++count;
+  }
+  return count;
+}
+
+// Opens or closes the first pair that has the wrong sign, or lets it slip or stick; 0 if none has.
 int pivot(Run& run, std::span<const double> guards, std::span<const double> below) {
   const double largest = calc_largest_force(run);
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
     if (!get_contact(run.plan, i).rigid) continue;
-    if (run.state().contacts[i].closed == kClosed && guards[i] >= -below[i]) {
+    const bool held = is_held(run.state().contacts[i]);
+    if (held && is_undecided(run, i)) {
+      change_friction(run, i);
+    } else if (held && guards[i] >= -below[i] && !(run.ev().pair_forces[i] > below[i])) {
       if (run.ev().pair_forces[i] < 0) run.search().rigid[i] |= kPulled;
       open(run, i, kRested);
+    } else if ((held && guards[i] >= -below[i]) || would_stick(run, i, largest)) {
+      change_friction(run, i);
     } else if (would_overlap(run, i, largest)) {
-      run.state().contacts[i] = {kClosed, 0};
+      close(run, i);
     } else {
       continue;
     }
     run.ev().rigid.failed = run.plan.contact_pairs[i].contact;
     return 1;
   }
-  return 0;
+  return turn_slips(run);
 }
 
 // The impulses of the rows: see rigid_pairs.h. False if the pivots do not end.
@@ -159,6 +190,10 @@ void account(Run& run, Balance& allowed) {
   Evaluation& ev = run.ev();
   const RigidScratch& s = ev.rigid;
   const std::size_t n = s.loads.size();
+  double fastest = 0;
+  if (has_rigid_friction(run.plan))
+    for (int r = 0; r < s.count; ++r) fastest = std::max(fastest, std::abs(s.loads[at(r)]));
+  const double rest = std::max(kRigidRest, 10 * kImpulseResidual * fastest);
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
     double after = row.rate;
@@ -171,9 +206,18 @@ void account(Run& run, Balance& allowed) {
       allowed.momentum += wrench.lin;
       allowed.angular_momentum += cross(get_body_frame(ev, body).p, wrench.lin) + wrench.ang;
     }
-    add_impulse(get_contact(run.plan, at(row.pair)), p, -work, ev);
-    if (after > kRigidRest) {
-      run.state().contacts[at(row.pair)].closed = kLeaves;
+    add_impulse(get_contact(run.plan, at(row.pair)), row.tangent == 0 ? p : 0, -work, ev);
+    if (row.tangent != 0) continue;
+    if (row.friction > 0) {
+      const auto calc_after = [&](int k) {
+        double sum = s.rows[at(k)].rate;
+        for (int c = 0; c < s.count; ++c) sum += s.matrix[at(k) * n + at(c)] * s.forces[at(c)];
+        return sum;
+      };
+      set_friction(run, r, calc_after(r + 1), calc_after(r + 2), rest);
+    }
+    if (after > rest) {
+      run.state().contacts[at(row.pair)].closed = kPairLeaves;
       ev.pair_forces[at(row.pair)] = 0;
     }
   }
@@ -184,13 +228,17 @@ void account(Run& run, Balance& allowed) {
 void begin_rigid_pairs(Run& run) noexcept {
   std::fill(run.search().rigid.begin(), run.search().rigid.end(), std::int64_t{0});
   run.ev().rigid.failed = kNone;
+  run.ev().rigid.wedged = false;
 }
 
 bool wants_rigid_pair(const Run& run) noexcept {
   if (run.plan.rigid_pairs == 0) return false;
   const double largest = calc_largest_force(run);
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
-    if (would_overlap(run, i, largest)) return true;
+    if (would_overlap(run, i, largest) || would_stick(run, i, largest)) return true;
+  Vec3 direction;
+  for (std::size_t i = 0; i < run.state().rigid_slips.size(); ++i)
+    if (run.search().rigid[i] < kMostTurns * kTurn && would_turn(run, i, direction)) return true;
   return false;
 }
 
@@ -202,13 +250,13 @@ int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances)
   int count = 0;
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
     if (!get_contact(plan, i).rigid) continue;
-    run.search().rigid[i] &= kPulled;
+    run.search().rigid[i] &= ~(kTouched | kSettles);
     const std::int64_t closed = run.state().contacts[i].closed;
     const bool on = calc_scale(run.state().elements[at(get_contact(plan, i).element)], now) != 0;
-    if (closed == kOpen && guards[i] >= -below[i]) {
+    if (closed == kPairOpen && guards[i] >= -below[i]) {
       if (!begin_touch(run, now, i)) return kFailedTouch;
-    } else if (closed == kLeaves || (closed == kClosed && !on)) {
-      open(run, i, closed == kLeaves ? kBounced : kRested);
+    } else if (closed == kPairLeaves || (closed != kPairOpen && !on)) {
+      open(run, i, closed == kPairLeaves ? kBounced : kRested);
     } else {
       continue;
     }
@@ -220,7 +268,7 @@ int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances)
 bool has_rigid_impulse(const Run& run, bool jumped) noexcept {
   for (std::size_t i = 0; i < run.search().rigid.size(); ++i) {
     if ((run.search().rigid[i] & kTouched) != 0) return true;
-    if (jumped && get_contact(run.plan, i).rigid && run.state().contacts[i].closed == kClosed) return true;
+    if (jumped && get_contact(run.plan, i).rigid && is_held(run.state().contacts[i])) return true;
   }
   return false;
 }
@@ -233,17 +281,23 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
     s.failed = plan.contact_pairs[at(pair)].contact;
     return kRigidFailure;
   }
+  const bool rough = has_rigid_friction(plan);
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
-    const bool bounces = (run.search().rigid[at(row.pair)] & (kTouched | kSettles)) == kTouched && row.rate < 0;
-    s.loads[at(r)] = -(1 + (bounces ? get_contact(plan, at(row.pair)).restitution : 0)) * row.rate;
+    const bool bounces =
+        row.tangent == 0 && (run.search().rigid[at(row.pair)] & (kTouched | kSettles)) == kTouched && row.rate < 0;
+    const double restitution = bounces ? get_contact(plan, at(row.pair)).restitution : 0;
+    s.loads[at(r)] = -(1 + restitution) * row.rate;
+    s.pivots[at(r)] = restitution;
   }
   update_joints(plan, run.state(), RowTarget::kVelocity, ev);
   const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
   const int node = get_kernels(plan).factor_and_solve(plan, run.state(), ev, nothing, kAllRows);
   if (node != kNone) return node;
   update_rigid_matrix(plan, 0, ev);
-  if (!find_impulses(ev)) {
+  if (rough) {
+    if (!find_friction_impulses(plan, s.pivots, ev)) return kRigidFailure;
+  } else if (!find_impulses(ev)) {
     s.failed = plan.contact_pairs[at(s.rows[0].pair)].contact;
     return kRigidFailure;
   }

@@ -142,7 +142,7 @@ void PlanCheck::check_rigid_contacts() {
             (follower == geometry::ShapeKind::kSphere && geometry::has_sphere_distance(base)));
     ++pairs;
   }
-  require(plan_.rigid_pairs == pairs && pairs <= kMostRigidPairs);
+  require(plan_.rigid_pairs == pairs && count_rigid_rows(plan_) <= kMostRigidRows);
 }
 
 void PlanCheck::check_one_sided() {

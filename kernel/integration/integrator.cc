@@ -72,7 +72,7 @@ int solve_forces(const Instant& now, Sweep sweep, RigidSet rigid, Evaluation& ev
     update_friction(now, ev);
     update_forces(now, ev);
     get_kernels(plan).solve(plan, ev, sweep);
-    (void)add_rigid_rows(now, RigidTarget::kAcceleration, sweep, rigid, ev);  // which has not failed before
+    if (const int node = add_rigid_rows(now, RigidTarget::kAcceleration, sweep, rigid, ev); node != kNone) return node;
     split_redundant_rows(plan, now.state, ev);
   }
   if (!plan.rigid) update_modal_rates(plan, ev);

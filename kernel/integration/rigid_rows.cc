@@ -1,6 +1,7 @@
 #include "kernel/integration/rigid_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/elements/kinds/contact/contact.h"
@@ -48,9 +49,9 @@ double calc_target(const RigidRow& row, RigidTarget target) {
   return 0;
 }
 
-// LDLᵀ of the rows of `set` in their order: `independent` of them, the rank, get a pivot; each row of the factor has
-// the entries of L for these.
-int factor(RigidSet set, Evaluation& ev) {
+// LDLᵀ of the rows of `set` in their order: `independent` of them, the rank, get a pivot, of those in `may`; each row
+// of the factor has the entries of L for these.
+int factor(RigidSet set, RigidSet may, Evaluation& ev) {
   RigidScratch& s = ev.rigid;
   const std::size_t n = s.loads.size();
   int rank = 0;
@@ -67,7 +68,7 @@ int factor(RigidSet set, Evaluation& ev) {
       pivot -= entry * row[k];
       lost += row[k] * row[k] * s.matrix[at(p) * n + at(p)];
     }
-    if (!is_independent({own, lost, s.rows[at(r)].free}, pivot)) continue;
+    if (!has_rigid(may, r) || !is_independent({own, lost, s.rows[at(r)].free}, pivot)) continue;
     s.independent[at(rank)] = r;
     s.pivots[at(rank)] = pivot;
     row[rank++] = 1;
@@ -92,6 +93,95 @@ double calc_surplus(const Evaluation& ev, int r) {
   return sum;
 }
 
+bool has_slip_rows(const Evaluation& ev) {
+  for (int r = 0; r < ev.rigid.count; ++r)
+    if (ev.rigid.rows[at(r)].tangent != 0) return true;
+  return false;
+}
+
+// The rows that hold: those along normals, and the two of each pair that sticks.
+RigidSet get_holding_rows(const Evaluation& ev) {
+  RigidSet set = 0;
+  for (int r = 0; r < ev.rigid.count; ++r) {
+    const RigidRow& row = ev.rigid.rows[at(r)];
+    const RigidRow& normal = ev.rigid.rows[at(r - row.tangent)];
+    if (row.tangent == 0 || normal.mode == RigidMode::kSticks) set |= RigidSet{1} << r;
+  }
+  return set;
+}
+
+bool slides(const RigidRow& row) { return row.mode == RigidMode::kSlips || row.mode == RigidMode::kCreeps; }
+
+// What the force along row c does to row r, with the friction that it brings about.
+double calc_sliding_entry(const RigidScratch& s, int r, int c) {
+  const double* row = &s.matrix[at(r) * s.loads.size()];
+  const RigidRow& of = s.rows[at(c)];
+  if (of.tangent != 0 || !slides(of)) return row[c];
+  return row[c] - of.friction * (of.slide[0] * row[c + 1] + of.slide[1] * row[c + 2]);
+}
+
+// The forces of the rows that hold, in s.forces, and the friction of those that slide; independent rows are taken from
+// `may`. kNone, or the row at which the pivots fall to nothing.
+int solve_sliding_rows(RigidSet may, Evaluation& ev) {
+  constexpr double kLeastPivot = 1e-6;  // of that without friction
+  RigidScratch& s = ev.rigid;
+  const std::size_t n = s.loads.size();
+  const RigidSet set = get_holding_rows(ev);
+  const int rank = factor(set, may, ev);
+  const auto L = [&](int r, int k) -> double { return s.factor[at(r) * n + at(k)]; };
+  const auto M = [&](int k, int m) -> double& { return s.gram[at(k) * n + at(m)]; };
+  double* const x = s.middle.data();
+  for (int k = 0; k < rank; ++k) {
+    const int r = s.independent[at(k)];
+    x[k] = s.loads[at(r)];
+    for (int m = 0; m < rank; ++m) {
+      double sum = 0;
+      for (int c = 0; c < s.count; ++c)
+        if (has_rigid(set, c)) sum += calc_sliding_entry(s, r, c) * L(c, m);
+      M(k, m) = sum;
+    }
+  }
+  for (int k = 0; k < rank; ++k) {
+    if (!(M(k, k) > kLeastPivot * s.pivots[at(k)])) return s.independent[at(k)];
+    for (int i = k + 1; i < rank; ++i) {
+      const double part = M(i, k) / M(k, k);
+      for (int m = k + 1; m < rank; ++m) M(i, m) -= part * M(k, m);
+      x[i] -= part * x[k];
+    }
+  }
+  for (int k = rank - 1; k >= 0; --k) {
+    for (int m = k + 1; m < rank; ++m) x[k] -= M(k, m) * x[m];
+    x[k] /= M(k, k);
+  }
+  std::fill_n(s.forces.begin(), s.count, 0.0);
+  for (int r = 0; r < s.count; ++r) {
+    if (!has_rigid(set, r)) continue;
+    for (int k = 0; k < rank; ++k) s.forces[at(r)] += L(r, k) * x[k];
+    const RigidRow& row = s.rows[at(r)];
+    if (row.tangent != 0 || !slides(row)) continue;
+    for (int k = 0; k < 2; ++k) s.forces[at(r + 1 + k)] = -row.friction * s.forces[at(r)] * row.slide[k];
+  }
+  return kNone;
+}
+
+// What the friction of the pair at `rows` has come to: the force on the follower, and what decides whether it sticks or
+// slips on.
+void keep_friction(const PlanData& plan, int r, Evaluation& ev) {
+  const RigidScratch& s = ev.rigid;
+  const RigidRow* rows = &s.rows[at(r)];
+  const double normal = s.forces[at(r)], first = s.forces[at(r + 1)], second = s.forces[at(r + 2)];
+  const std::size_t pair = at(rows[0].pair);
+  // the rows are those of the sphere, seen from the other shape
+  const double side = dot(rows[1].on_follower.lin, rows[1].along) > 0 ? 1 : -1;
+  ev.pair_frictions[pair] = side * (first * rows[1].along + second * rows[2].along);
+  constexpr double kLeast = 1e-11;  // m/s²: of accelerations that is rounding
+  const double cone = rows[0].friction * normal + kLeast / std::max(rows[1].free, rows[2].free);
+  ev.pair_slides[pair] = rows[0].mode == RigidMode::kSticks ? std::sqrt(first * first + second * second) - cone
+                                                            : -rows[1].rate - kRigidRest;
+  const PlanContact& contact = plan.contacts[at(plan.contact_pairs[pair].contact)];
+  add_impulse_rate(contact, normal, rows[0].slip, -(first * rows[1].rate + second * rows[2].rate), ev);
+}
+
 }  // namespace
 
 void update_rigid_matrix(const PlanData& plan, double gamma_h, Evaluation& ev) noexcept {
@@ -112,7 +202,7 @@ void update_rigid_matrix(const PlanData& plan, double gamma_h, Evaluation& ev) n
 void solve_rigid_set(RigidSet set, Evaluation& ev) noexcept {
   RigidScratch& s = ev.rigid;
   const std::size_t n = s.loads.size();
-  const int rank = factor(set, ev);
+  const int rank = factor(set, kAllRigidRows, ev);
   const auto L = [&](int r, int k) -> double { return s.factor[at(r) * n + at(k)]; };
   const auto for_rows = [&](const auto& run) {
     for (int r = 0; r < s.count; ++r)
@@ -167,6 +257,7 @@ int find_contradiction(RigidSet set, double tolerance, Evaluation& ev) noexcept 
   const RigidSet independent = get_independent_rigid_rows(ev);
   for (int r = 0; r < s.count; ++r) {
     if (!has_rigid(set, r) || has_rigid(independent, r)) continue;
+    if (s.rows[at(r)].tangent != 0) continue;
     const double surplus = calc_surplus(ev, r);
     if (surplus > tolerance) return r;
     if (!(surplus < -tolerance)) continue;
@@ -177,7 +268,7 @@ int find_contradiction(RigidSet set, double tolerance, Evaluation& ev) noexcept 
     }
     constexpr double kLeastWeight = 1e-6;
     for (int k = 0; k < rank; ++k)
-      if (weight[k] > kLeastWeight) return s.independent[at(k)];
+      if (weight[k] > kLeastWeight && s.rows[at(s.independent[at(k)])].tangent == 0) return s.independent[at(k)];
   }
   return kNone;
 }
@@ -200,7 +291,15 @@ int solve_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep,
   for (int r = 0; r < s.count; ++r) s.loads[at(r)] = calc_target(s.rows[at(r)], target) - apply_row(s.rows[at(r)], ev);
   keep_forces(plan, ev);
   update_rigid_matrix(plan, sweep.gamma_h, ev);
-  solve_rigid_set(set, ev);
+  if (forces && has_slip_rows(ev)) {
+    if (const int row = solve_sliding_rows(set, ev); row != kNone) {
+      s.failed = plan.contact_pairs[at(s.rows[at(row)].pair)].contact;
+      s.wedged = true;
+      return kRigidFailure;
+    }
+  } else {
+    solve_rigid_set(set, ev);
+  }
   Sweep whole = sweep;
   if (sweep.source == Source::kNothing) {
     whole.source = Source::kBodyForces;
@@ -214,14 +313,18 @@ int solve_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep,
   double largest = 0;  // m/s²
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
+    if (row.tangent != 0) continue;
     ev.pair_forces[at(row.pair)] = s.forces[at(r)];
     largest = std::max(largest, std::abs(s.forces[at(r)]) * row.free);
     ev.pair_distances[at(row.pair)] = row.gap;
     const PlanContact& contact = plan.contacts[at(plan.contact_pairs[at(row.pair)].contact)];
-    add_impulse_rate(contact, s.forces[at(r)], ev);
+    if (contact.friction > 0)
+      keep_friction(plan, r, ev);
+    else
+      add_impulse_rate(contact, s.forces[at(r)], 0, 0, ev);
   }
   constexpr double kPart = 1e-8, kLeast = 1e-11;  // of accelerations that is rounding; m/s²
-  const int leaves = find_contradiction(set, kPart * largest + kLeast, ev);
+  const int leaves = find_contradiction(has_slip_rows(ev) ? get_holding_rows(ev) : set, kPart * largest + kLeast, ev);
   if (leaves != kNone)
     ev.pair_forces[at(s.rows[at(leaves)].pair)] = -std::max(largest, kLeast) / s.rows[at(leaves)].free;
   return kNone;

@@ -42,8 +42,11 @@ void lay_out_split(const PlanData& plan, Arena& arena, SplitScratch& split) {
 }
 
 void lay_out_rigid(const PlanData& plan, Arena& arena, Evaluation& ev) {
-  const std::size_t n = static_cast<std::size_t>(plan.rigid_pairs), any = n > 0 ? 1 : 0;
+  const std::size_t n = static_cast<std::size_t>(count_rigid_rows(plan)), any = n > 0 ? 1 : 0;
   arena.take(ev.pair_forces, any * plan.contact_pairs.size());
+  const std::size_t rough = has_rigid_friction(plan) ? plan.contact_pairs.size() : 0;
+  arena.take(ev.pair_frictions, rough);
+  arena.take(ev.pair_slides, rough);
   RigidScratch& rigid = ev.rigid;
   arena.take(rigid.rows, n);
   for (std::span<double>* matrix : {&rigid.matrix, &rigid.factor, &rigid.gram}) arena.take(*matrix, n * n);

@@ -116,20 +116,35 @@ struct ClosedPair {
   double depth, rate;  // m; its rate, m/s
 };
 
-// The row of a pair of a rigid contact that is closed, see kernel/elements/kinds/contact/rigid_row.h.
+// What the friction of a closed pair of a rigid contact does.
+enum class RigidMode : std::int32_t {
+  kSmooth,  // it has no friction
+  kSticks,  // the two rows hold
+  kSlips,   // friction against the slip
+  kCreeps,  // the slip begins or ends: friction against State::rigid_slips
+};
+
+// The row of a pair of a rigid contact that is closed, see kernel/elements/kinds/contact/rigid_row.h. With friction,
+// two rows across the normal follow it: those of the slip, of the sphere seen from the other shape.
 struct RigidRow {
   std::int32_t pair;             // into PlanData::contact_pairs
   std::int32_t base, follower;   // bodies
   Spatial on_base, on_follower;  // unit wrenches that part them, at the bodies' origins
   double gap, rate, bias;        // m; m/s; m/s²: of the gap's second derivative, what velocities alone decide
   double free;                   // mobility of the two bodies along the row, held by nothing, 1/kg
+  std::int32_t tangent;          // 0: along the normal, m; 1, 2: of the slip, and `gap` is 0
+  RigidMode mode;                // these of the row along the normal:
+  double friction;               // μ
+  double slip, slide[2];         // m/s; its direction in the two rows, 0 if it sticks or is smooth
+  Vec3 along;                    // unit vector of the row, W, from the other shape to the sphere or across
 };
 
-// Scratch of kernel/integration/rigid_rows.cc. n: PlanData::rigid_pairs.
+// Scratch of kernel/integration/rigid_rows.cc. n: PlanData::rigid_pairs, and two more for each that has friction.
 struct RigidScratch {
   std::span<RigidRow> rows;  // n, of which the first `count` hold
   std::int32_t count = 0;
   std::int32_t failed = kNone;          // the contact that failed, into PlanData::contacts
+  bool wedged = false;                  // and why: its friction would outgrow what its normal force decides
   std::span<double> matrix;             // W H⁻¹ Wᵀ, n rows of n
   std::span<double> factor;             // n rows of n
   std::span<double> gram;               // n rows of n
@@ -215,6 +230,9 @@ struct Evaluation {
 
   // computed by solve_rigid_rows(), with the accelerations; per pair of shapes, if there are rigid contacts
   std::span<double> pair_forces;  // of closed pairs of rigid contacts, N
+  // likewise, if some have friction: on the follower, N; ≥ 0 where it begins or ends to stick, N or m/s
+  std::span<Vec3> pair_frictions;
+  std::span<double> pair_slides;
   RigidScratch rigid;
 
   // computed by the solver's forward pass

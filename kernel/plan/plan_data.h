@@ -84,6 +84,17 @@ struct PlanData : PlanNumbers, PlanLists<FixedList> {
 // A plan while it is compiled.
 struct PlanDraft : PlanNumbers, PlanLists<GrowingList> {};
 
+// Rows of rigid contacts: one for each pair of shapes, two more where it has friction.
+inline std::int32_t count_rigid_rows(const PlanData& plan) {
+  std::int32_t rows = plan.rigid_pairs;
+  for (const PlanContact& contact : plan.contacts)
+    if (contact.rigid && contact.friction > 0) rows += 2 * contact.pairs;
+  return rows;
+}
+inline bool has_rigid_friction(const PlanData& plan) {
+  return plan.rigid_pairs > 0 && count_rigid_rows(plan) > plan.rigid_pairs;
+}
+
 inline const PlanData& get_data(const Plan& plan) noexcept { return *plan.data_; }
 
 }  // namespace unlatch

@@ -28,6 +28,9 @@ std::size_t lay_out(const PlanData& plan, std::byte* memory, State& state) noexc
   take(state.engaged, plan.one_sided.size());
   take(state.bearings, plan.drums.size());
   take(state.rigid_forces, plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0);
+  const std::size_t rough = has_rigid_friction(plan) ? plan.contact_pairs.size() : 0;
+  take(state.rigid_slips, rough);
+  take(state.rigid_frictions, rough);
   return used;
 }
 
@@ -82,6 +85,8 @@ void init_state(const Plan& owner, State& state) noexcept {
   for (std::size_t i = 0; i < plan.contact_pairs.size(); ++i)
     state.contacts[i] = {plan.contact_pairs[i].closed ? 1 : 0, 0};
   for (double& force : state.rigid_forces) force = 0;
+  for (std::span<Vec3> vectors : {state.rigid_slips, state.rigid_frictions})
+    for (Vec3& vector : vectors) vector = {0, 0, 0};
 }
 
 std::span<const double> get_modal_coordinates(const Plan& owner, const State& state, int body) noexcept {

@@ -20,6 +20,7 @@
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
+#include "kernel/events/rigid_friction.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/integration/run.h"
@@ -122,6 +123,7 @@ ContactParts choose_parts(const Run& run, double now) {
 double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
+  if (!run.state().rigid_slips.empty() && !begin_slips(run, now)) return step_end;
   const ContactParts parts = choose_parts(run, now);
   const double end = calc_next_stop(run, parts.count, now, step_end);
   const double due = calc_next_due(run.plan, run.state(), now);
@@ -196,7 +198,10 @@ bool check_tables(Run& run) {
 StepReport finish(const Run& run) {
   StepReport report = run.report;
   if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[at(run.node)].joint;
-  if (report.status == StepStatus::kRigidContact) report.contact = run.data.kept.evaluation.rigid.failed;
+  if (report.status == StepStatus::kRigidContact) {
+    report.contact = run.data.kept.evaluation.rigid.failed;
+    report.wedged = run.data.kept.evaluation.rigid.wedged;
+  }
   report.events = run.events().fired.first(at(run.events().fired_count));
   report.audits = run.events().audits.first(at(run.events().audit_count));
   return report;

@@ -102,7 +102,9 @@ TEST(RigidContact, WhatItCannotHoldIsRefused) {
   EXPECT_EQ(check(build_rigid_feet()), "");
   Model model = build_rigid_feet();
   model.contacts[0].friction = 0.3;
-  EXPECT_NE(check(model).find("rigid contacts have no friction yet"), std::string::npos);
+  EXPECT_EQ(check(model), "");
+  model.contacts[0].friction = -0.3;
+  EXPECT_NE(check(model).find("friction is -0.3; 0 or more"), std::string::npos);
   model = build_rigid_feet();
   model.contacts[0].stiffness = 1e5;
   EXPECT_NE(check(model).find("it is rigid, and has a stiffness"), std::string::npos);
@@ -122,6 +124,10 @@ TEST(RigidContact, WhatItCannotHoldIsRefused) {
   model = build_rigid_feet();
   for (int i = 0; i < 61; ++i) model.surfaces[1].shapes.push_back(build_sphere(0.1, {0, 0, 0}));
   EXPECT_NE(check(model).find("at most 64"), std::string::npos);
+  model.surfaces[1].shapes.resize(22);
+  EXPECT_EQ(check(model), "");
+  model.contacts[0].friction = 0.3;
+  EXPECT_NE(check(model).find("any other: 66; at most 64"), std::string::npos);
 }
 
 }  // namespace

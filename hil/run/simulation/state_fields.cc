@@ -24,6 +24,8 @@ constexpr const char* kContactFields[] = {"closed", "edge"};
 constexpr const char* kEngagedFields[] = {"engaged"};
 constexpr const char* kBearingFields[] = {"bearing"};
 constexpr const char* kRigidFields[] = {"force"};
+constexpr const char* kSlipFields[] = {"slip.x", "slip.y", "slip.z"};
+constexpr const char* kFrictionFields[] = {"friction.x", "friction.y", "friction.z"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -73,6 +75,7 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
     const Event& event = model.events[i];
     return quote("event", event.subject.empty() ? event.name : event.name + " " + event.subject);
   };
+  const auto rigid_name = [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in rigid contact"; };
   return {
       make_section(std::span(state.header, 1), kHeaderFields, 2, [](std::size_t) { return "state"; }),
       make_section(state.bodies, kBodyFields, 0, [&](std::size_t i) { return quote("body", model.bodies[i].name); }),
@@ -89,8 +92,9 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
                    [&](std::size_t i) { return quote("element", model.one_sided[i].name); }),
       make_section(state.bearings, kBearingFields, 0,
                    [names = list_wound_cords(model)](std::size_t i) { return quote("element", names[i]); }),
-      make_section(state.rigid_forces, kRigidFields, 0,
-                   [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in rigid contact"; }),
+      make_section(state.rigid_forces, kRigidFields, 0, rigid_name),
+      make_section(state.rigid_slips, kSlipFields, 0, rigid_name),
+      make_section(state.rigid_frictions, kFrictionFields, 0, rigid_name),
   };
 }
 

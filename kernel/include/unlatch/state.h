@@ -66,7 +66,8 @@ struct EventState {
 
 // Memory of one pair of shapes of a contact.
 struct ContactState {
-  std::int64_t closed;  // 1: from touch to lift; within an instant 2: of a rigid contact, it bounces
+  std::int64_t closed;  // 1: from touch to lift; of a rigid contact with friction 3: it sticks, 4: its slip begins or
+                        // ends, likewise; within an instant 2: of a rigid contact, it bounces
   double edge;          // m, distance at which that changes next: 0, but for the rounding of the last change
 };
 
@@ -93,8 +94,11 @@ class State {
   std::span<std::int64_t> engaged;   // one-sided forces, in the model's order: 1 while engaged, else 0
   std::span<double> rigid_forces;    // per pair of shapes, none without rigid contacts: normal force of a rigid
                                      // contact's closed pair at the end of the step, N; else 0
-  std::span<double> bearings;        // of the ends of cords with drums, in the model's order: CordPath::bearing at the
-                                     // start of the step, rad
+  // Per pair of shapes, none without rigid contacts that have friction, W: a unit vector, the direction of the slip
+  // where it begins or ends, elsewhere that of one of its two rows; friction on the follower at the end of the step, N.
+  std::span<Vec3> rigid_slips, rigid_frictions;
+  std::span<double> bearings;  // of the ends of cords with drums, in the model's order: CordPath::bearing at the
+                               // start of the step, rad
 
   // The whole block.
   std::span<std::byte> get_bytes() const { return bytes_; }

@@ -62,6 +62,7 @@ struct StepReport {
   std::int32_t table = kNone;           // kOutsideTable: index of the table
   TableExit exit{};                     // likewise: the axis and the coordinate
   std::int32_t contact = kNone;         // kRigidContact: index of the contact
+  bool wedged = false;                  // likewise: its friction leaves its normal force undecided (Painlevé)
   std::int32_t settled = 0;             // bounces of rigid contacts whose flight would be shorter than Contact::settle
   std::int32_t settling = kNone;        // index of the contact of the latest of these
   std::int32_t substeps = 0;            // integrations done, 1 without events

@@ -100,8 +100,9 @@ TEST(RigidContacts, MistakesSayWhatWouldBeRight) {
   EXPECT_NE(mistakes("rigid: true, restitution: {coefficient: 0.5, speed: 1}").find("one number"), std::string::npos);
   EXPECT_NE(mistakes("stiffness: 1 MN/m, restitution: 0.5").find("{coefficient: 0.5"), std::string::npos);
   EXPECT_NE(mistakes("stiffness: 1 MN/m, settle: 1 ms").find("settle"), std::string::npos);
-  const std::string rough = mistakes("rigid: true, friction: 0.2");
-  EXPECT_NE(rough.find("no friction yet"), std::string::npos) << rough;
+  EXPECT_EQ(mistakes("rigid: true, friction: 0.2"), "");
+  const std::string rough = mistakes("rigid: true, friction: -0.2");
+  EXPECT_NE(rough.find("friction"), std::string::npos) << rough;
   EXPECT_NE(rough.find("s.yaml:9:"), std::string::npos) << rough;
 }
 

@@ -63,9 +63,12 @@ void write_totals(const ContactTotals& totals, std::span<double> auxiliary, cons
 
 }  // namespace
 
-void add_impulse_rate(const PlanContact& contact, double force, Evaluation& ev) noexcept {
+void add_impulse_rate(const PlanContact& contact, double force, double slip, double loss, Evaluation& ev) noexcept {
   ContactTotals rates = read_totals(ev.auxiliary.rate, contact);
-  rates.impulse += force;
+  const double all = rates.impulse + force;
+  rates.slip = all > 0 ? (rates.slip * rates.impulse + slip * force) / all : 0;
+  rates.impulse = all;
+  rates.dissipated += loss;
   write_totals(rates, ev.auxiliary.rate, contact);
 }
 
@@ -269,9 +272,10 @@ bool is_closed(const State& state, const PlanContact& contact) {
 }
 
 // `base`, `follower`: bodies of the surfaces at this instant.
-// `rigid_forces`: per pair, of rigid contacts.
+// `rigid_forces`, `rigid_frictions`: per pair, of rigid contacts.
 ContactReading read_contact(const PlanData& plan, const State& state, double scale, const PlanContact& own,
-                            const BodyFrame& base, const BodyFrame& follower, std::span<const double> rigid_forces) {
+                            const BodyFrame& base, const BodyFrame& follower, std::span<const double> rigid_forces,
+                            std::span<const Vec3> rigid_frictions) {
   ContactReading out;
   Vec3 point{0, 0, 0};
   for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
@@ -281,6 +285,10 @@ ContactReading read_contact(const PlanData& plan, const State& state, double sca
     if (own.rigid) {
       f.normal = rigid_forces[i];
       f.force = f.normal * distance.normal;
+      if (own.friction > 0) {
+        f.friction = norm(rigid_frictions[i]);
+        f.force += rigid_frictions[i];
+      }
     }
     if (!out.closed) out.point = f.point;
     out.closed = true;
@@ -306,7 +314,7 @@ ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contac
   const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
   if (scale == 0 || !is_closed(now.state, own)) return {};
   return read_contact(now.plan, now.state, scale, own, get_body_frame(ev, now.plan.shapes[at(own.base)].body),
-                      get_body_frame(ev, now.plan.shapes[at(own.follower)].body), ev.pair_forces);
+                      get_body_frame(ev, now.plan.shapes[at(own.follower)].body), ev.pair_forces, ev.pair_frictions);
 }
 
 ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
@@ -315,7 +323,8 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
   const double scale = calc_scale(state.elements[at(own.element)], plan.get_time(state.header->tick));
   if (scale == 0 || !is_closed(state, own)) return {};
   return read_contact(plan, state, scale, own, calc_body_frame(state, plan.shapes[at(own.base)].body),
-                      calc_body_frame(state, plan.shapes[at(own.follower)].body), state.rigid_forces);
+                      calc_body_frame(state, plan.shapes[at(own.follower)].body), state.rigid_forces,
+                      state.rigid_frictions);
 }
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {

@@ -50,8 +50,9 @@ struct MovingFrame {
 double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
                                const MovingFrame& follower, double rate, double step) noexcept;
 
-// Adds to the rate of a contact's impulse, N; to its impulse (N s) and loss (J) at one instant.
-void add_impulse_rate(const PlanContact& contact, double force, Evaluation& ev) noexcept;
+// Adds a pair to the rates of a rigid contact's totals: force, N, slip, m/s, and loss, W. To its impulse (N s) and loss
+// (J) at one instant.
+void add_impulse_rate(const PlanContact& contact, double force, double slip, double loss, Evaluation& ev) noexcept;
 void add_impulse(const PlanContact& contact, double impulse, double loss, Evaluation& ev) noexcept;
 
 // k δⁿ⁺¹/(n + 1) at scale 1, J.

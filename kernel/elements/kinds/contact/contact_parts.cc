@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/elements/kinds/load.h"
 #include "unlatch/elementary.h"
 #include "unlatch/model/contact_substeps.h"
@@ -148,6 +149,21 @@ std::int32_t count_parts(double needed) {
   return parts;
 }
 
+// Parts per second that the friction of rigid contacts needs: of a slip that may turn, so many that it keeps half of
+// its speed in each; of one that begins, that it does not outgrow the speed at which it gets a direction of its own.
+double calc_slip_parts(const PlanData& plan, const Evaluation& ev) {
+  double most = 0;
+  for (std::int32_t r = 0; r < ev.rigid.count; ++r) {
+    const RigidRow& row = ev.rigid.rows[at(r)];
+    if (row.mode != RigidMode::kSlips && row.mode != RigidMode::kCreeps) continue;
+    const double change = calc_slip_braking(ev, &row);
+    const double least = calc_least_slip(plan, change);
+    if (row.mode == RigidMode::kSlips && row.slip > 0) most = std::max(most, 2 * change / row.slip);
+    if (row.mode == RigidMode::kCreeps && least > 0) most = std::max(most, calc_slip_acceleration(ev, &row) / least);
+  }
+  return most;
+}
+
 }  // namespace
 
 bool may_be_implicit(const PlanData& plan) noexcept {
@@ -157,10 +173,12 @@ bool may_be_implicit(const PlanData& plan) noexcept {
 }
 
 ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
-  double most = 0, implicit_most = 0, square = 0, damping = 0, slip = 0;
+  const double slips = plan.rigid_pairs > 0 ? calc_slip_parts(plan, ev) : 0;
+  if (slips > 0 && !has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false};
+  double most = slips, implicit_most = 0, square = 0, damping = 0, slip = 0;
   std::size_t closed = 0;
   for (const PlanContact& contact : plan.contacts) {
-    if (contact.rigid) continue;  // smooth while it is closed
+    if (contact.rigid) continue;  // smooth while it is closed, but for its friction
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
       if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false};

@@ -10,6 +10,9 @@
 //   left
 //             at the part's end
 //
+//   rigid     of a rigid contact whose friction slips: what that may change the slip by, over half of the slip; where
+//             the slip begins or ends, its acceleration over the least slip that has a direction of its own
+//
 // A blow is resolved within 0.2 of its rate; a vibration that is a small part of the depth, less finely: what the
 // method errs by is a part of the vibration (THEORY.md).
 //

@@ -67,19 +67,24 @@ void check_start(const Contact& c, const Check& check) {
 
 // All rows of a model are solved together.
 void check_number(const Contact& c, const Check& check) {
-  std::size_t pairs = 0;
+  std::size_t pairs = 0, rows = 0;
   const Contact* first = nullptr;
   for (const Contact& own : check.model.contacts) {
     if (!own.rigid || !is_index(own.base, check.model.surfaces.size()) ||
         !is_index(own.follower, check.model.surfaces.size()))
       continue;
     if (first == nullptr) first = &own;
-    pairs += check.model.surfaces[at(own.base)].shapes.size() * check.model.surfaces[at(own.follower)].shapes.size() -
-             own.except.size();
+    const std::size_t of_own =
+        check.model.surfaces[at(own.base)].shapes.size() * check.model.surfaces[at(own.follower)].shapes.size() -
+        own.except.size();
+    pairs += of_own;
+    rows += own.friction > 0 ? 3 * of_own : of_own;
   }
-  if (first == &c && pairs > at(kMostRigidPairs))
-    check.report("the rigid contacts have " + std::to_string(pairs) + " pairs of shapes in all",
-                 "at most " + std::to_string(kMostRigidPairs) + ": `except`, or fewer shapes", "between");
+  if (first == &c && rows > at(kMostRigidRows))
+    check.report("the rigid contacts have " + std::to_string(pairs) +
+                     " pairs of shapes in all; rows, three for a pair with friction and one for any other: " +
+                     std::to_string(rows),
+                 "at most " + std::to_string(kMostRigidRows) + " of these: `except`, or fewer shapes", "between");
 }
 
 }  // namespace
@@ -99,14 +104,12 @@ void validate_rigid_contact(const Contact& c, const Check& check) {
   if (c.stiffness != 0) check.report("it is rigid, and has a stiffness", "one of them", "stiffness");
   if (c.damping != 0)
     check.report("it is rigid, and has a damping", "a restitution, which a rigid contact loses energy by", "damping");
-  if (c.friction != 0)
-    check.report("it is rigid, and has friction " + show(c.friction),
-                 "no friction, or a stiffness instead of `rigid`: rigid contacts have no friction yet", "friction");
+  expect(c.friction >= 0, "friction", c.friction, "0 or more, and finite");
 }
 
 void compile_rigid_contact(const Contact& c, PlanDraft& plan, PlanContact& own) {
   own.rigid = true;
-  own.stiffness = own.damping = own.friction = 0;
+  own.stiffness = own.damping = 0;
   own.restitution = c.restitution.value_or(0);
   own.settle = c.settle ? *c.settle : 0.5 * plan.options.dt;
   plan.contacts.push_back(own);  // rows are found through it

@@ -8,6 +8,13 @@
 // n the normal from O to the sphere, a_O(x) the acceleration of O's material at x, dn/dx the surface's curvature there
 // (kernel/geometry/distance.h). The bodies' accelerations enter through the row's wrenches ±n at x alone; the
 // rest is the row's bias. The unit force n at x goes through the point of contact, since x lies on the normal there.
+//
+// Friction. At the place c = x − r n of the sphere's surface the slip is u_c = v_S(c) − v_O(c), r the sphere's radius.
+// Its two components along unit vectors t across the normal are rows of their own, with the wrenches ±t at c and
+//
+//   d(t·u_c)/dt = t·(a_S(c) − a_O(c) + w_S × (c' − v_S(c)) − w_O × (c' − v_O(c))),   c' = v_S(x) − r n',
+//
+// where the slip is zero, so that t' does not count.
 #pragma once
 
 #include "kernel/elements/instant.h"
@@ -16,16 +23,28 @@
 
 namespace unlatch {
 
-// Most pairs of shapes of all rigid contacts of a model: their rows are solved by a dense matrix.
-inline constexpr int kMostRigidPairs = 64;
+// Most rows of all rigid contacts of a model, which are solved by a dense matrix: one for each pair of shapes, two more
+// where it has friction.
+inline constexpr int kMostRigidRows = 64;
 // m: a rigid pair that begins this near to a touch begins closed, unless it approaches or parts.
 inline constexpr double kRigidStart = 1e-9;
 // m/s: slower than this along the normal is at rest there.
 inline constexpr double kRigidRest = 1e-9;
 
+// Values of ContactState::closed of a pair of a rigid contact. Closed: without friction, or it slips; or, with a zero
+// State::rigid_slips, it has yet to be found sticking or slipping.
+inline constexpr std::int64_t kPairOpen = 0, kPairClosed = 1, kPairLeaves = 2, kPairSticks = 3, kPairCreeps = 4;
+// The pair is closed and does not leave at this instant.
+inline bool is_held(const ContactState& pair) { return pair.closed != kPairOpen && pair.closed != kPairLeaves; }
+
 // False if the sphere's centre has got into the other shape: the row is of no use then.
 [[nodiscard]] bool calc_rigid_row(const PlanData& plan, std::int32_t pair, const BodyFrame& base,
                                   const BodyFrame& follower, RigidRow& row) noexcept;
+
+// The rows of a pair with friction: that along the normal, which calc_rigid_row() has computed, and the two across it
+// in rows[1] and rows[2], the first along `reference`, State::rigid_slips, if that is not zero.
+void calc_slip_rows(const PlanData& plan, const ContactState& state, const Vec3& reference, const BodyFrame& base,
+                    const BodyFrame& follower, RigidRow* rows) noexcept;
 
 // Sum of what two bodies' accelerations, velocities or displacements do to the gap.
 inline double apply_rigid_row(const RigidRow& row, const Spatial& base, const Spatial& follower) {
@@ -35,6 +54,13 @@ inline double apply_rigid_row(const RigidRow& row, const Spatial& base, const Sp
 // Collects the rows of the closed pairs of rigid contacts that are on, in the order of the pairs, at the kinematics in
 // `ev`. Returns kNone, or the pair whose row is of no use.
 std::int32_t collect_rigid_rows(const PlanData& plan, const State& state, double t, Evaluation& ev) noexcept;
+
+// Of a pair with friction, by the latest evaluation: the acceleration of its slip, m/s²; and that or what its friction
+// alone would be, if that is more.
+double calc_slip_acceleration(const Evaluation& ev, const RigidRow* rows) noexcept;
+double calc_slip_braking(const Evaluation& ev, const RigidRow* rows) noexcept;
+// The slip below which it has no direction of its own, m/s: what the finest part of a step changes it by, twice.
+double calc_least_slip(const PlanData& plan, double change) noexcept;
 
 // The forces of an evaluation become those of its state.
 void store_rigid_forces(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
