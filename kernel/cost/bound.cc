@@ -250,7 +250,7 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   const bool jumps = std::any_of(plan.laws.corners.begin(), plan.laws.corners.end(),
                                  [](const PlanCorner& corner) { return corner.jumps; });
   const std::int64_t corners = plan.laws.corners.empty() ? 0 : kMostCornerSplits;
-  limits.sub_steps = limits.parts + limits.splits + corners;
+  limits.sub_steps = limits.parts + limits.splits + (plan.knots.empty() ? corners : kMostCornerSplits);
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
                     (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;

@@ -207,6 +207,11 @@ void count_loads(const PlanData& plan, Work& work) {
     if (load.apart || load.consumption != 0) work[Unit::kApartLoads] += 1;
     if (load.law != kNone) work[Unit::kLawLoads] += 1;
   }
+  // Once more for each search of their points; that of one table takes two bisections.
+  for (const PlanLoad& load : plan.loads)
+    if (const PlanProfile& profile = plan.profiles[at(load.profile)];
+        load.law == kNone && profile.kind == Profile::Kind::kTable)
+      work[Unit::kCorners] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(profile.count)));
   for (const PlanProfile& profile : plan.profiles) {
     if (profile.kind == Profile::Kind::kExponential) work[Unit::kExponentials] += 1;
     if (profile.kind == Profile::Kind::kHarmonic) work[Unit::kHarmonics] += profile.count;

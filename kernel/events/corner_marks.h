@@ -24,9 +24,9 @@ struct CornerMarks {
   [[nodiscard]] bool any() const { return at_begin || at_end; }
 };
 
-// Of a sub-step from `begin` to `end`. Laws that forces read are split at their corners, but for tables that are finer
-// than the step; those that only outputs read are not, nor are tables over time and switches. `state`: of its end, but
-// before its events.
+// Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read and of tables over time, but
+// for those that are finer than the step; not at those of laws that only outputs read, nor at switches. `state`: of its
+// end, but before its events.
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
                          const LawCourse& course) noexcept;
 // Those of tables over time and of switches alone.

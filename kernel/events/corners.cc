@@ -66,4 +66,21 @@ bool passes_and_returns(const PlanData& plan, double begin, double end, const Pa
   return false;
 }
 
+double find_time_corner(const PlanData& plan, const State& state, double begin, double end) noexcept {
+  const double slack = plan.get_slack();
+  double first = end;
+  for (const PlanLoad& load : plan.loads) {
+    const ElementState& element = state.elements[at(load.element)];
+    if (load.law != kNone || (element.from == 0 && element.to == 0)) continue;
+    const PlanProfile& profile = plan.profiles[at(load.profile)];
+    if (profile.kind != Profile::Kind::kTable) continue;
+    const std::span<const Knot> knots = std::span(plan.knots).subspan(at(profile.first), at(profile.count));
+    const auto lies_before = [&](const Knot& knot, double time) { return knot.time + element.switched_on < time; };
+    const auto low = std::lower_bound(knots.begin(), knots.end(), begin + slack, lies_before);
+    const auto high = std::lower_bound(low, knots.end(), end - slack, lies_before);
+    if (low != high && high - low <= kMostCorners) first = std::min(first, low->time + element.switched_on);
+  }
+  return first;
+}
+
 }  // namespace unlatch

@@ -1,13 +1,16 @@
-// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if. Runge and
-// Kutta's method has its order only in sub-steps without them: event_search.cc splits a sub-step at the first.
+// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; and
+// points of loads' tables over time. Runge and Kutta's method has its order only in sub-steps without them:
+// event_search.cc splits a sub-step at the first of a law, step.cc at the first of a table over time.
 //
-// Cost: two bisections of an axis per corner and sub-step; where one is passed, two or three more sub-steps.
+// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time; where a law's corner is
+// passed, two or three more sub-steps, at a point of a table over time one.
 #pragma once
 
 #include <span>
 
 #include "kernel/events/limits.h"
 #include "kernel/plan/plan_data.h"
+#include "unlatch/state.h"
 
 namespace unlatch {
 
@@ -35,5 +38,9 @@ struct PassedPlaces {
 // True if the values in the middle show a corner that the chord between both ends does not: a law that goes and comes
 // back, or comes back to where it began just before. What is over before the middle, or begins behind it, is not seen.
 bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept;
+
+// The time of the first point of a load's table over time between `begin` and `end`, of loads that act; `end` if there
+// is none. Tables with more than kMostCorners points in between do not count.
+double find_time_corner(const PlanData& plan, const State& state, double begin, double end) noexcept;
 
 }  // namespace unlatch

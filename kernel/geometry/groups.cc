@@ -72,8 +72,8 @@ double calc_slab_bound(const Box& a, const Box& b) noexcept {
   bound = choose_more(bound, (std::fabs(of_b.z) - b.half.z) - calc_reach(z.x, z.y, z.z, a.half));
   // What a distance may be below the widest slab: its certificate and, of curved shapes that overlap, 1e-5 of their
   // size (penetration.cc).
-  constexpr double kCertified = 1e-9, kCurved = 2e-5;
-  return bound - (bound < 0 && !(a.polytope && b.polytope) ? kCurved : kCertified) * size;
+  constexpr double kCertifiedGap = 1e-9, kCurved = 2e-5;
+  return bound - (bound < 0 && !(a.polytope && b.polytope) ? kCurved : kCertifiedGap) * size;
 }
 
 GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,

@@ -1,5 +1,6 @@
 // Tables and expressions: each value that a law takes is there, and its stack holds what it keeps.
 #include "kernel/images/plan_check.h"
+#include "kernel/laws/law_steps.h"
 
 namespace unlatch {
 
@@ -68,41 +69,18 @@ void PlanCheck::check_law(const PlanLaw& law) {
   std::int32_t depth = 0;
   for (std::int32_t i = law.first; i < law.first + law.count && good_; ++i) {
     const PlanLawStep& step = laws.steps[at(i)];
-    std::int32_t takes = 1, places = 0;
+    const LawOperands& operands = get_operands(step.kind);
+    std::int32_t takes = operands.takes, places = operands.decides ? 1 : 0;
     switch (step.kind) {
-      case Kind::kConstant:
-        takes = 0;
-        break;
       case Kind::kQuantity:
-        takes = 0;
         require_index(step.subject, step.of_law ? laws.list.size() : laws.operands.size());
         break;
       case Kind::kCommand:
-        takes = 0;
         require_index(step.subject, plan_.initial_commands.size());
         break;
       case Kind::kTable:
         require_index(step.subject, laws.tables.size());
         if (good_) takes = places = laws.tables[at(step.subject)].axis_count;
-        break;
-      case Kind::kAdd:
-      case Kind::kSubtract:
-      case Kind::kMultiply:
-      case Kind::kDivide:
-      case Kind::kAtan2:
-        takes = 2;
-        break;
-      case Kind::kMin:
-      case Kind::kMax:
-        takes = 2;
-        places = 1;
-        break;
-      case Kind::kIfLess:
-        takes = 4;
-        places = 1;
-        break;
-      case Kind::kAbs:
-        places = 1;
         break;
       case Kind::kPower:
         require(step.subject >= -kMostPower && step.subject <= kMostPower);

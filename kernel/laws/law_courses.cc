@@ -319,18 +319,6 @@ Course LawCourses::calc(const Context& context, int law, Bounds bounds, Marks& m
         put(top++, found, here);
         break;
       }
-      case Kind::kAdd:
-      case Kind::kSubtract:
-      case Kind::kMultiply:
-      case Kind::kDivide:
-      case Kind::kAtan2:
-      case Kind::kMin:
-      case Kind::kMax: {
-        --top;
-        const Course result = bound_two(step, top[-1], top[0], here);
-        put(top - 1, result, here);
-        break;
-      }
       case Kind::kIfLess: {
         top -= 3;
         const Course result = bound_if(top - 1, context.held, sides_[at(step.place)], here);
@@ -338,7 +326,9 @@ Course LawCourses::calc(const Context& context, int law, Bounds bounds, Marks& m
         break;
       }
       default: {
-        const Course result = bound_one(step, top[-1], here);
+        const bool two = get_operands(step.kind).takes == 2;
+        if (two) --top;
+        const Course result = two ? bound_two(step, top[-1], top[0], here) : bound_one(step, top[-1], here);
         put(top - 1, result, here);
       }
     }

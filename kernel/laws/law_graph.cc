@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/laws/law_steps.h"
 #include "kernel/math/index.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/model/law_places.h"
@@ -94,17 +95,8 @@ class Sorter {
 std::vector<bool> list_driving_laws(const Model& model) { return build_law_graph(model).driving; }
 
 int count_law_places(const Model& model, const LawStep& step) {
-  switch (step.kind) {
-    case LawStep::Kind::kTable:
-      return static_cast<int>(model.tables[at(step.subject)].axes.size());
-    case LawStep::Kind::kAbs:
-    case LawStep::Kind::kMin:
-    case LawStep::Kind::kMax:
-    case LawStep::Kind::kIfLess:
-      return 1;
-    default:
-      return 0;
-  }
+  if (step.kind == LawStep::Kind::kTable) return static_cast<int>(model.tables[at(step.subject)].axes.size());
+  return get_operands(step.kind).decides ? 1 : 0;
 }
 
 std::vector<TableLookup> list_table_lookups(const Model& model) {

@@ -1,9 +1,11 @@
-// Values of single steps of laws: for the step (laws.cc), and for bounds of laws over a short time (law_courses.cc).
+// Single steps of laws: what they take, and their values; for the step (laws.cc), and for bounds of laws over a short
+// time (law_courses.cc).
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 
 #include "kernel/math/index.h"
 #include "kernel/math/spatial.h"
@@ -12,6 +14,23 @@
 #include "unlatch/step_data.h"
 
 namespace unlatch {
+
+// What a kind of step takes from the stack. All put one value there.
+struct LawOperands {
+  std::int32_t takes;  // values; of a table none here: one for each of its axes
+  bool decides;        // it has a branch, or a corner: what decides it is kept in Evaluation::law_places
+};
+// By LawStep::Kind.
+inline constexpr LawOperands kLawOperands[] = {
+    {0, false}, {0, false}, {0, false}, {0, false},                          // constant, quantity, command, table
+    {2, false}, {2, false}, {2, false}, {2, false},                          // add, subtract, multiply, divide
+    {1, false}, {1, false}, {1, false}, {1, true},                           // power, negate, sqrt, abs
+    {1, false}, {1, false}, {1, false}, {1, false}, {1, false}, {1, false},  // sin, cos, tan, asin, acos, atan
+    {2, false}, {1, false}, {1, false},                                      // atan2, exp, log
+    {2, true},  {2, true},  {4, true},                                       // min, max, if_less
+};
+static_assert(std::size(kLawOperands) == static_cast<std::size_t>(LawStep::Kind::kIfLess) + 1);
+constexpr const LawOperands& get_operands(LawStep::Kind kind) { return kLawOperands[static_cast<std::size_t>(kind)]; }
 
 // value · scale · command + offset + command
 template <class Scaled>

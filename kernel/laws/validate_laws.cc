@@ -3,6 +3,7 @@
 
 #include "kernel/laws/law_graph.h"
 #include "kernel/laws/law_model.h"
+#include "kernel/laws/law_steps.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch {
@@ -80,7 +81,8 @@ bool check_step(const Check& check, const LawStep& step) {
       return std::abs(step.subject) <= kMostPower ||
              report("it has the power " + std::to_string(step.subject), "a whole number from -8 to 8");
     default:
-      return true;
+      return static_cast<std::size_t>(step.kind) < std::size(kLawOperands) ||
+             report("it has an operation that does not exist", "one of LawStep::Kind");
   }
 }
 
@@ -137,28 +139,7 @@ void validate_tables(const Model& model, ModelErrors& errors) {
 
 }  // namespace
 
-int get_law_arity(LawStep::Kind kind) {
-  using Kind = LawStep::Kind;
-  switch (kind) {
-    case Kind::kConstant:
-    case Kind::kQuantity:
-    case Kind::kCommand:
-    case Kind::kTable:
-      return 0;
-    case Kind::kAdd:
-    case Kind::kSubtract:
-    case Kind::kMultiply:
-    case Kind::kDivide:
-    case Kind::kAtan2:
-    case Kind::kMin:
-    case Kind::kMax:
-      return 2;
-    case Kind::kIfLess:
-      return 4;
-    default:
-      return 1;
-  }
-}
+int get_law_arity(LawStep::Kind kind) { return get_operands(kind).takes; }
 
 void validate_laws(const Model& model, ModelErrors& errors) {
   validate_tables(model, errors);

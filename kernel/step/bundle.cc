@@ -134,8 +134,8 @@ class SideBySide {
   }
 
   // True if no event of the member is due at the beginning of the step (compare is_due() in events.cc), no pending
-  // event becomes due in it, no contact is closed, and, where its motion is logged, no table over time or switch has a
-  // corner in it.
+  // event becomes due in it, no contact is closed, no table over time has a point in it, and, where its motion is
+  // logged, no switch ends in it.
   bool begins_quietly(std::size_t m) const {
     const PlanData& own = get_data(*runs_[m].plan);
     const Guards guards = get_guards(m, ev_.guards);
@@ -150,6 +150,7 @@ class SideBySide {
     const std::span<const ContactState> pairs = runs_[m].state->contacts;
     if (std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; }))
       return false;
+    if (!own.knots.empty() && find_time_corner(own, *runs_[m].state, begin_, end_) < end_) return false;
     return runs_[m].log == nullptr || !mark_times(own, *runs_[m].state, begin_, end_).any();  // its own step logs it
   }
 

@@ -17,6 +17,7 @@
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/events/corner_marks.h"
+#include "kernel/events/corners.h"
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
@@ -118,8 +119,18 @@ ContactParts choose_parts(const Run& run, double now) {
   return run.plan.contacts.empty() ? ContactParts{} : choose_contact_parts(run.plan, run.state(), now, run.ev());
 }
 
-// Advances from `now` to the end of the step or of its present part, or to the first event or corner of a law before
-// it. Returns the time that is reached; on failure the end of the step.
+// The end of the sub-step from `now`: the first point of a table over time, unless the step has been split at as many
+// corners as it may be, which is reported; else `target`.
+[[gnu::noinline]] double calc_time_corner(Run& run, double now, double target) {
+  const double corner = find_time_corner(run.plan, run.state(), now, target);
+  if (corner >= target) return target;
+  if (run.search().corners < kMostCornerSplits) return corner;
+  ++run.report.open.corners;
+  return target;
+}
+
+// Advances from `now` to the end of the step or of its present part, or to the first event or corner of a law or table
+// before it. Returns the time that is reached; on failure the end of the step.
 double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
@@ -128,12 +139,14 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const double end = calc_next_stop(run, parts.count, now, step_end);
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
-  const double target = reaches_due && due < end - slack ? due : end;
+  const double planned = reaches_due && due < end - slack ? due : end;
+  const double target = may_split && !run.plan.knots.empty() ? calc_time_corner(run, now, planned) : planned;
   const Reached reached =
       advance_to_event(run, now, target, parts.implicit ? Contacts::kImplicit : Contacts::kExplicit, may_split);
   if (reached.time == kFailed) return step_end;
   accept(run);
-  if (reached.at_event || (reaches_due && reached.time == target)) {
+  if (target < planned && reached.time == target) ++run.search().corners;
+  if (reached.at_event || (reaches_due && reached.time == planned)) {
     ++splits;
     const bool corner = log_end(run, now, reached.time, Readings::kStale);
     act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact,

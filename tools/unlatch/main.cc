@@ -17,10 +17,10 @@ namespace {
 
 // The verbs in the order of --help.
 void add_verbs(Command program, int& exit_code) {
-  for (const auto add : {add_init,      add_check,  add_run,        add_campaign, add_optimize, add_hil,
-                         add_linearize, add_replay, add_diff,       add_report,   add_dossier,  add_requirements,
-                         add_export,    add_import, add_compile,    add_log,      add_watch,    add_telemetry,
-                         add_preflight, add_modes,  add_completion, add_man}) {
+  for (const auto add :
+       {add_init, add_check,  add_run,       add_campaign,     add_optimize, add_hil,        add_linearize, add_replay,
+        add_diff, add_report, add_dossier,   add_requirements, add_export,   add_import,     add_resample,  add_compile,
+        add_log,  add_watch,  add_telemetry, add_preflight,    add_modes,    add_completion, add_man}) {
     add(program, exit_code);
   }
 }

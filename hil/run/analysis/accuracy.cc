@@ -7,6 +7,7 @@
 #include <map>
 
 #include "hil/run/notices/resolution.h"
+#include "unlatch/model/law_places.h"
 
 namespace unlatch::hil {
 namespace {
@@ -180,13 +181,16 @@ Method find_method(const Scenario& scenario, const Simulation& simulation) {
   return method;
 }
 
-// Time of a corner in a load's table that lies before `time` and not on a tick of all three runs, s; negative: none.
+// Time of a corner in a load's table that lies before `time` and not on a tick of all three runs, s, if the table has
+// more points there than a step is split at; negative: none.
 double find_corner(const Model& model, double time, double dt, std::string& load) {
   constexpr double kOnTick = 1e-6;
   for (const Load& candidate : model.loads) {
     if (candidate.profile.kind != Profile::Kind::kTable) continue;
-    for (const double corner : candidate.profile.times) {
-      const double ticks = corner / dt;
+    const std::vector<double>& times = candidate.profile.times;
+    for (std::size_t i = static_cast<std::size_t>(kMostCorners); i < times.size(); ++i) {
+      const double corner = times[i], ticks = corner / dt;
+      if (corner - times[i - static_cast<std::size_t>(kMostCorners)] > dt) continue;
       if (corner <= 0 || corner >= time) continue;
       if (candidate.on && std::abs(ticks - std::round(ticks)) < kOnTick) continue;
       load = candidate.name;

@@ -9,7 +9,9 @@
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
 #include "hil/scenario/base/index.h"
+#include "hil/scenario/text/count.h"
 #include "unlatch/contacts.h"
+#include "unlatch/model/law_places.h"
 #include "unlatch/redundancy.h"
 
 namespace unlatch::hil {
@@ -47,11 +49,14 @@ void judge_springs(const Model& model, const Simulation& simulation, double dt, 
 void judge_loads(const Model& model, double dt, std::vector<Finding>& findings) {
   for (const Load& load : model.loads) {
     const std::vector<double>& times = load.profile.times;
+    constexpr std::size_t kMost = kMostCorners;  // points in a step that is split at them
     double shortest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < times.size(); ++i) shortest = std::min(shortest, times[i] - times[i - 1]);
-    if (load.profile.kind == Profile::Kind::kTable && times.size() > 1 && shortest < dt)
-      findings.push_back({"step", quoted("element", load.name),
-                          format("its table has an interval of %.4g s, less than a step of %.4g s", shortest, dt)});
+    for (std::size_t i = kMost; i < times.size(); ++i) shortest = std::min(shortest, times[i] - times[i - kMost]);
+    if (load.profile.kind == Profile::Kind::kTable && shortest < dt)
+      findings.push_back(
+          {"step", quoted("element", load.name),
+           format("its table has %s within %.4g s; a step of %.4g s is split at %d at most, and passes over more",
+                  count(kMostCorners + 1, "point").c_str(), shortest, dt, kMostCorners)});
     if (load.profile.kind == Profile::Kind::kExponential && load.profile.tau < dt / kAccurate)
       findings.push_back(
           {"step", quoted("element", load.name),

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "unlatch/model/law_places.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -39,6 +41,9 @@ ProfileWatch::ProfileWatch(const Profile& profile) : profile_(profile) {
 double ProfileWatch::add(double from, double to) {
   if (!(size_ > 0) || !(to > from)) return 0;
   if (to <= profile_.times.front() || from >= profile_.times.back()) return largest_ / size_;
+  const auto knot = std::ranges::upper_bound(profile_.times, from);
+  if (std::ranges::lower_bound(profile_.times, to) - knot <= kMostCorners)
+    return largest_ / size_;  // it is split there
   const double taken =
       (to - from) / 6 *
       (calc_value(profile_, from) + 4 * calc_value(profile_, 0.5 * (from + to)) + calc_value(profile_, to));

@@ -216,7 +216,7 @@ void apply_unit(Operand& a, const UnitPower& power, int sign) {
 Operand look_up(const std::string& name, const TableSignature& table, const std::vector<Operand>& arguments) {
   if (arguments.size() != table.axes.size())
     throw ExpressionError("table '" + name + "' of " + count(arguments.size(), "value"),
-                          "it has " + count(table.axes.size(), "axis") + ": one value for each");
+                          "it takes " + count(table.axes.size(), "value") + ": one for each axis");
   Operand out{{1, table.value}, {}};
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const Dimension& given = arguments[i].quantity.dimension;

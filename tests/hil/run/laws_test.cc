@@ -219,7 +219,7 @@ TEST(LawsOfScenarios, MistakesNameTheirPlaceAndWhatWouldBeRight) {
   expect("profile: {expression: grip}", "profile: {expression: \"grip / (1 N)\"}", "multiply it by 1 N");
   expect("profile: {expression: grip}", "profile: {expression: \"grop\"}", "did you mean 'grip'");
   expect("profile: {expression: grip}", "profile: {expression: \"push\"}", "does not say what its axes are of");
-  expect("push(on_time)", "push(on_time, x)", "table 'push' of 2 values; it has 1 axis");
+  expect("push(on_time)", "push(on_time, x)", "table 'push' of 2 values; it takes 1 value");
   expect("push(on_time)", "push(x)", "axis 1 of table 'push' is a time (s), not a length (m)");
   expect("{expression: grip}\nelements", "{expression: \"on_time * 1 N/s\"}\nelements", "'on_time' is neither");
   expect("{expression: grip}\nelements", "{expression: \"grip_now\"}\nelements",

@@ -30,7 +30,7 @@ joints:
 """
 
 # Verbs that write a text, or read files once: they catch no signal, and end by it at once.
-QUICK = {"check", "init", "import", "compile", "modes", "completion", "man", "preflight", "requirements"}
+QUICK = {"check", "init", "import", "resample", "compile", "modes", "completion", "man", "preflight", "requirements"}
 # Verbs whose end a test below looks at.
 STOPPED = {"run", "campaign", "optimize", "hil", "linearize", "replay", "diff", "report", "export", "log", "watch", "telemetry", "dossier"}
 

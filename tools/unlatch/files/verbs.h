@@ -8,6 +8,7 @@ namespace unlatch::tools {
 void add_init(Command app, int& exit_code);
 void add_compile(Command app, int& exit_code);
 void add_import(Command app, int& exit_code);
+void add_resample(Command app, int& exit_code);
 void add_modes(Command app, int& exit_code);
 void add_completion(Command app, int& exit_code);
 void add_man(Command app, int& exit_code);
