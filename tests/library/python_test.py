@@ -328,14 +328,24 @@ class PythonTest(ProcessTest):
         self.assertIsInstance(missing, FileNotFoundError)
         self.assertEqual(missing.line, again.line)
 
+    def test_overrides_that_are_no_mapping_are_a_type_error(self):
+        with unlatch.Batch(REFERENCE) as batch:
+            self.assertRaisesRegex(TypeError, "mapping of paths to values, not int", batch.add, 3)
+            self.assertRaisesRegex(TypeError, "'str' object cannot be interpreted as an integer", batch.run, 0, "2")
+        self.assertRaisesRegex(TypeError, "mapping of paths to values, not list", unlatch.load, REFERENCE, ["a=1"])
+
     def test_a_table_with_equal_columns_is_refused(self):
         path = self.folder / "twice.csv"
         path.write_text("a [m],b,a [m]\n1,2,3\n", encoding="utf-8")
         with self.assertRaisesRegex(unlatch.FileError, r"more than one column 'a \[m\]'"):
             unlatch.read_table(path)
+        path.write_text("a [m],b,a [s]\n1,2,3\n", encoding="utf-8")  # equal without their units, by which columns are not known
+        with self.assertRaisesRegex(unlatch.FileError, "more than one column 'a'"):
+            unlatch.read_table(path)
 
     def test_a_missing_file_is_a_file_not_found_error(self):
-        for task in (lambda: unlatch.load("nix.yaml"), lambda: unlatch.Batch("nix.yaml"), lambda: unlatch.open_recording("nix.log")):
+        for task in (lambda: unlatch.load("nix.yaml"), lambda: unlatch.Batch("nix.yaml"), lambda: unlatch.open_recording("nix.log"),
+                     lambda: unlatch.read_table("nix.csv"), lambda: unlatch.read_recording("nix.log")):
             with self.assertRaises(FileNotFoundError) as caught:
                 task()
             self.assertIsInstance(caught.exception, unlatch.Error)

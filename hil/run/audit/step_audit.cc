@@ -20,7 +20,7 @@ constexpr double kJump = 0.02;
 constexpr std::int64_t kFirstExtra = 12, kExtraEvery = 256;  // steps beside those of the blocks: at first; ticks a step
 
 // Changes are measured at every tick at first, then at every few ticks, and where a step is compared.
-constexpr std::int64_t kMeasureAll = 128, kMeasureEvery = 4;
+constexpr std::int64_t kMeasureAll = 128, kMeasureEvery = 8;
 
 std::int64_t draw_place(std::int64_t block) {  // splitmix64
   auto z = static_cast<std::uint64_t>(block) + 0x9E3779B97F4A7C15ull;
@@ -162,7 +162,8 @@ bool StepAudit::is_due(std::int64_t tick, bool special) {
   const bool may = extra_ < kFirstExtra + ticks_ / kExtraEvery;
   if (special && may) origin_ = tick;
   const std::int64_t after = tick - origin_;
-  const bool is_drawn = tick % kBlock == draw_place(tick / kBlock);
+  const std::int64_t block = tick / kBlock;
+  const bool is_drawn = (!calm_ || block % kCalmEvery == 0) && tick % kBlock == draw_place(block);
   const bool is_extra = may && after < kBlock && (after == 0 || std::has_single_bit(static_cast<std::uint64_t>(after)));
   if (is_extra && !is_drawn) ++extra_;
   return is_extra || is_drawn;
@@ -194,6 +195,7 @@ void StepAudit::compare(std::int64_t tick) {
   const double between = latest_ == kNone ? 0 : static_cast<double>(tick - latest_ - 1);
   const Centre centre = calc_centre(simulation_.state()), halved = calc_centre(half_.state);
   const Vec3 p_common = centre.p - halved.p, v_common = centre.v - halved.v;
+  calm_ = true;
   for (std::size_t b = 0; b < courses_.size(); ++b) {
     const BodyState &full = simulation_.state().bodies[b], &half = half_.state.bodies[b];
     measure(courses_[b], full, centre);
@@ -207,15 +209,33 @@ void StepAudit::compare(std::int64_t tick) {
   ++compared_;
 }
 
-void StepAudit::add_error(Course& course, const std::array<double, kMotionParts>& errors, double between) const {
+void StepAudit::add_error(Course& course, const std::array<double, kMotionParts>& errors, double between) {
   for (std::size_t i = 0; i < errors.size(); ++i) {
     course.error[i] += errors[i] + between * std::min(errors[i], course.latest[i]);
     course.latest[i] = errors[i];
-    if (course.error[i] <= kLimit * course.get_change(i))
+    const double change = course.get_change(i);
+    if (course.error[i] > kCalm * change) calm_ = false;
+    if (course.error[i] <= kLimit * change) {
+      if (course.since[i] != kNever) add_passed(course, i);
       course.since[i] = kNever;
-    else if (course.since[i] == kNever)
+    } else if (course.since[i] == kNever) {
       course.since[i] = simulation_.get_time();
+      course.from[i] = course.since[i] - (between + 1) * simulation_.plan().get_options().dt;
+    }
   }
+}
+
+// The while from the first to the last of several, with the part that was last.
+void StepAudit::add_passed(Course& course, std::size_t part) const {
+  StepError& passed = course.passed;
+  const double first = passed.until == kNever ? kNever : passed.from;
+  passed = {static_cast<int>(&course - courses_.data()),
+            static_cast<MotionPart>(part),
+            course.error[part],
+            course.get_change(part),
+            course.since[part],
+            std::min(first, course.from[part]),
+            simulation_.get_time()};
 }
 
 // The part that is worst. Those beyond the limit were so at the latest step that was compared, by what the motion had
@@ -224,7 +244,8 @@ StepError StepAudit::find_worst(int body) const {
   const Course& course = courses_[at(body)];
   StepError worst{body};
   for (std::size_t i = 0; i < course.error.size(); ++i) {
-    const StepError own{body, static_cast<MotionPart>(i), course.error[i], course.get_change(i), course.since[i]};
+    const StepError own{
+        body, static_cast<MotionPart>(i), course.error[i], course.get_change(i), course.since[i], course.from[i]};
     const bool is_beyond = own.time != kNever, was_beyond = worst.time != kNever;
     if (is_beyond != was_beyond ? is_beyond : own.error * worst.change > worst.error * own.change) worst = own;
   }
@@ -244,6 +265,13 @@ std::vector<StepError> StepAudit::list_unresolved() const {
   std::vector<StepError> list;
   for (std::size_t b = 0; b < courses_.size(); ++b)
     if (const StepError worst = find_worst(static_cast<int>(b)); worst.time != kNever) list.push_back(worst);
+  return list;
+}
+
+std::vector<StepError> StepAudit::list_passed() const {
+  std::vector<StepError> list;
+  for (const Course& course : courses_)
+    if (course.passed.until != kNever) list.push_back(course.passed);
   return list;
 }
 

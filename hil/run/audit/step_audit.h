@@ -4,9 +4,10 @@
 //
 // Which steps: in each block of kBlock ticks one, at a place drawn from the number of the block alone; after the start,
 // after events and after a step in which an acceleration jumps more: the first, and those 1, 2, 4 … kBlock / 2 later,
-// as long as there are not too many. So of a long run 1/128 + 1/256 of the steps at most are taken twice, and a dozen
-// at its start. Between two of them a tick counts as wrong by the lesser of their errors; so a rare error, such as that
-// of a jump within one step, counts once.
+// as long as there are not too many. As long as all errors are small (kCalm), three of four blocks have none. So of a
+// long run 1/512 + 1/256 of the steps are taken twice (1/128 + 1/256 with larger errors), and a dozen at its start.
+// Between two of them a tick counts as wrong by the lesser of their errors; so a rare error, such as that of a jump
+// within one step, counts once.
 //
 // The sum of the errors, by their size, is an estimate of what the steps make of a body's motion. It is compared with
 // what the body's own motion has changed since the start, by itself and relative to the centre of mass of all bodies,
@@ -34,9 +35,11 @@ inline constexpr int kMotionParts = 6;
 struct StepError {
   int body = kNone;
   MotionPart part = MotionPart::kVelocity;
-  double error = 0;      // estimated, of the run so far
-  double change = 1;     // largest change of this part since the start
-  double time = kNever;  // s, since when it is beyond the limit
+  double error = 0;       // estimated, of the run so far
+  double change = 1;      // largest change of this part since the start
+  double time = kNever;   // s, since when it is beyond the limit
+  double from = kNever;   // s, the step before that was compared: the error came up between the two
+  double until = kNever;  // s, until when, if it is no more
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 };
 
@@ -47,6 +50,8 @@ class StepAudit {
   // phase: its velocity changes by twice its amplitude, only a part of the error lies along it, and of two neighbours
   // the lesser counts. So results are off by some tenth at this limit.
   static constexpr double kLimit = 0.02;
+  static constexpr double kCalm = kLimit / 64;
+  static constexpr std::int64_t kCalmEvery = 4;  // blocks
 
   // Keeps a reference.
   explicit StepAudit(const Simulation& simulation);
@@ -56,6 +61,9 @@ class StepAudit {
 
   // Bodies whose motion the step does not resolve, each with the part that is worst.
   [[nodiscard]] std::vector<StepError> list_unresolved() const;
+  // Bodies that were not resolved for a while, and have moved so much more since that they are: values of that while
+  // are not.
+  [[nodiscard]] std::vector<StepError> list_passed() const;
   // Steps that were taken again, of all so far.
   [[nodiscard]] std::int64_t get_compared() const { return compared_; }
   [[nodiscard]] std::int64_t get_ticks() const { return ticks_; }
@@ -87,7 +95,8 @@ class StepAudit {
   struct Course {
     BodyState start;
     Pace v, w;
-    std::array<double, kMotionParts> squared_change{}, error{}, latest{}, since = make_never();
+    std::array<double, kMotionParts> squared_change{}, error{}, latest{}, since = make_never(), from = make_never();
+    StepError passed{};                                       // `until` is kNever if there was none
     [[nodiscard]] double get_change(std::size_t part) const;  // at least that of a body at rest
   };
   // Plan of half the step, and memory to step with it.
@@ -111,7 +120,8 @@ class StepAudit {
   // Takes the latest step again. False where the two do not see the same events.
   bool repeat(const StepReport& report);
   void compare(std::int64_t tick);
-  void add_error(Course& course, const std::array<double, kMotionParts>& errors, double between) const;
+  void add_error(Course& course, const std::array<double, kMotionParts>& errors, double between);
+  void add_passed(Course& course, std::size_t part) const;
   [[nodiscard]] StepError find_worst(int body) const;
   [[nodiscard]] const State& find_before() const;
   void keep();
@@ -124,7 +134,7 @@ class StepAudit {
   Half half_;
   std::vector<std::uint64_t> block_;  // the state before the latest step, where no motion is kept
   State before_;
-  bool begun_ = false;
+  bool begun_ = false, calm_ = true;
   std::int64_t ticks_ = 0, compared_ = 0, extra_ = 0;
   std::int64_t origin_ = 0;      // the start, or the latest event or jump
   std::int64_t latest_ = kNone;  // tick of the latest step that was compared

@@ -227,6 +227,24 @@ PassedOver LawWatch::measure_rise(const Watched& watched, const Piece& piece, co
           .bodies = watched.bodies};
 }
 
+PassedOver LawWatch::finish_rise(const Watched& watched) {
+  PassedOver rising = *watched.rising;
+  if (watched.rises_smoothly)  // by the method's order
+    rising.step *= kSure * std::pow(kLawError * watched.largest / rising.error, 0.25);
+  return rising;
+}
+
+std::vector<PassedOver> LawWatch::list_rising() const {
+  std::vector<PassedOver> list;
+  for (const Watched& watched : watched_) {
+    if (!watched.rising) continue;
+    PassedOver rising = finish_rise(watched);
+    rising.error /= watched.largest;
+    if (rising.error > kLawError) list.push_back(rising);
+  }
+  return list;
+}
+
 void LawWatch::report(const Watched& watched, PassedOver passed) {
   passed.error /= watched.largest;
   if (passed.error > kLawError) passed_.push_back(passed);
@@ -241,10 +259,7 @@ void LawWatch::judge(Watched& watched, const Piece& piece, const Course& whole) 
   watched.seen = std::max(before, size);
   watched.largest = std::max(watched.largest, size);
   if (watched.rising && !rises) {
-    PassedOver& rising = *watched.rising;
-    if (watched.rises_smoothly)  // by the method's order
-      rising.step *= kSure * std::pow(kLawError * watched.largest / rising.error, 0.25);
-    report(watched, rising);
+    report(watched, finish_rise(watched));
     watched.rising.reset();
   }
   const double bend = std::abs(whole.begin - 2 * whole.middle + whole.end);

@@ -55,6 +55,10 @@ class LawWatch {
   // Of one piece; it may continue the one before.
   std::span<const PassedOver> update(const Piece& piece, std::span<const double> commands);
 
+  // Laws that rise steeply until the end of the latest piece, as if they had ceased to: what a run passes over in its
+  // last step. Those that go on are judged when they cease.
+  [[nodiscard]] std::vector<PassedOver> list_rising() const;
+
   [[nodiscard]] bool is_empty() const { return watched_.empty(); }
 
  private:
@@ -94,6 +98,7 @@ class LawWatch {
   std::optional<PassedOver> measure(Watched& watched, const Piece& piece, const Course& whole);
   [[nodiscard]] PassedOver measure_rise(const Watched& watched, const Piece& piece, const Course& whole);
   void judge(Watched& watched, const Piece& piece, const Course& whole);
+  [[nodiscard]] static PassedOver finish_rise(const Watched& watched);
   void report(const Watched& watched, PassedOver passed);
   void set_extreme(const Watched& watched, const Piece& piece, PassedOver& passed);
   [[nodiscard]] double find_step(const Watched& watched, double top, double width);

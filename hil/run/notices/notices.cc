@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "hil/run/audit/dependence.h"
 #include "hil/run/audit/step_audit.h"
 #include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/contact_resolution.h"
@@ -37,7 +38,8 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       simulation_(simulation),
       dt_(simulation.plan().get_options().dt),
       steps_(std::make_unique<StepAudit>(simulation)),
-      unresolved_(scenario.model, simulation.plan()),
+      unresolved_(scenario.model),
+      links_(scenario.model, simulation.plan()),
       turning_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
       sticking_(static_cast<std::size_t>(scenario.model.element_count())),
@@ -71,9 +73,13 @@ NoticeWatch::~NoticeWatch() = default;
 
 void NoticeWatch::add(std::string name, std::string subject, std::string text, std::span<const int> unresolved) {
   const double time = simulation_.get_time();
-  if (!unresolved.empty())
-    unresolved_.add(unresolved, name + (subject.empty() ? "" : " " + subject) + ": " + text, time, simulation_.state());
+  if (!unresolved.empty()) add_unresolved(unresolved, name + (subject.empty() ? "" : " " + subject) + ": " + text);
   notices_.push_back({time, std::move(name), std::move(subject), std::move(text), time, !unresolved.empty()});
+}
+
+// What is seen at a tick was so within the step before it.
+void NoticeWatch::add_unresolved(std::span<const int> bodies, const std::string& cause) {
+  unresolved_.add(bodies, cause, begun_ ? simulation_.get_time() - dt_ : simulation_.get_time());
 }
 
 std::string NoticeWatch::describe_unresolved() const {
@@ -90,7 +96,7 @@ std::string NoticeWatch::describe_unresolved() const {
 void NoticeWatch::update(const StepReport& report) {
   steps_->update(report);
   if (audit_) audit_->update(report);
-  if (!report.events.empty()) unresolved_.spread(simulation_.state(), simulation_.get_time());
+  watch_links(report);
   watch_bodies();
   if (!begun_) {
     for (std::size_t b = 0; b < scenario_.model.bodies.size(); ++b) {
@@ -122,6 +128,13 @@ void NoticeWatch::update(const StepReport& report) {
   if (audit_) watch_drift();
   watch_search(report);
   begun_ = true;
+}
+
+void NoticeWatch::watch_links(const StepReport& report) {
+  if (begun_ && report.events.empty()) return;
+  if (begun_)
+    for (const MotionKnot& knot : simulation_.get_motion()) links_.update(knot.state, knot.time);
+  links_.update(simulation_.state(), simulation_.get_time());
 }
 
 void NoticeWatch::watch_bodies() {
@@ -321,6 +334,7 @@ void NoticeWatch::watch_commands() {
     Course& course = courses_[c];
     const double change = values[c] - course.value;
     course.value = values[c];
+    if (begun_ && change != 0) links_.add_command(simulation_.get_time() - dt_);
     if (!begun_ || change == 0 || restless_[c]) continue;
     const int direction = change > 0 ? 1 : -1;
     const bool turns = course.direction == -direction;

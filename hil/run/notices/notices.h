@@ -1,7 +1,7 @@
 // Notices about motions that the step does not resolve, one for each kind and subject, with its first time, its worst
 // value and the time of that. Watched off the cyclic thread, beside the other analyses of a run. Thresholds:
 // kernel/THEORY.md, 8. Those marked * make the results that depend on the subject's bodies unresolved
-// (unresolved_bodies.h): they are no results.
+// (audit/unresolved_bodies.h): they are no results.
 //
 //   rotation*  |w|·dt of a body beyond kAccurate
 //   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one, as
@@ -38,10 +38,10 @@
 
 #include "hil/run/audit/contact_jumps.h"
 #include "hil/run/audit/energy_audit.h"
+#include "hil/run/audit/unresolved_bodies.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
 #include "hil/run/notices/profile_watch.h"
-#include "hil/run/notices/unresolved_bodies.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::hil {
@@ -113,6 +113,8 @@ class NoticeWatch {
   void watch_loops(const StepReport& report);
   void watch_drift();
   void watch_search(const StepReport& report);
+  void watch_links(const StepReport& report);
+  void add_unresolved(std::span<const int> bodies, const std::string& cause);
   [[nodiscard]] std::string describe(const StepError& error) const;
 
   const Scenario& scenario_;
@@ -122,6 +124,7 @@ class NoticeWatch {
   std::optional<EnergyAudit> audit_;
   std::vector<RunNotice> notices_;
   UnresolvedBodies unresolved_;
+  BodyLinks links_;
   std::vector<Slot> turning_;                      // of bodies
   std::vector<Slot> stiff_, sticking_;             // of elements
   std::vector<Slot> touching_, jumping_;           // of contacts
@@ -158,8 +161,7 @@ void NoticeWatch::report(Slot& slot, const char* name, const std::string& subjec
     notice.worst_time = simulation_.get_time();
     if (!unresolved.empty() && !notice.unresolved) {
       notice.unresolved = true;
-      unresolved_.add(unresolved, std::string(name) + " " + subject + ": " + notice.text, notice.worst_time,
-                      simulation_.state());
+      add_unresolved(unresolved, std::string(name) + " " + subject + ": " + notice.text);
     }
     return;
   }

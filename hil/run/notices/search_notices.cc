@@ -1,6 +1,7 @@
 // What the search for events within a step left open.
 #include <algorithm>
 
+#include "hil/run/audit/dependence.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
 #include "hil/scenario/base/index.h"

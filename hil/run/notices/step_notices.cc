@@ -1,7 +1,9 @@
-// What the audit of the step says at the end of a run, or so far.
+// What is known at the end of a run, or so far: the audit of the step, and laws that rise until then.
 #include "hil/run/audit/step_audit.h"
+#include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
+#include "hil/run/notices/table_exit.h"
 #include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
@@ -32,6 +34,12 @@ std::string NoticeWatch::describe(const StepError& error) const {
 
 std::vector<RunNotice> NoticeWatch::get() const {
   std::vector<RunNotice> notices = notices_;
+  const double time = simulation_.get_time();
+  for (const PassedOver& passed : laws_->list_rising())
+    if (passed_over_[at(passed.law)].number < 0) {
+      const Law& law = scenario_.model.laws[at(passed.law)];
+      notices.push_back({time, "law", law.name, hil::describe(law, passed), time, true});
+    }
   for (const StepError& error : steps_->list_unresolved())
     notices.push_back(
         {error.time, "step", scenario_.model.bodies[at(error.body)].name, describe(error), error.time, true});
@@ -40,11 +48,20 @@ std::vector<RunNotice> NoticeWatch::get() const {
 
 UnresolvedBodies NoticeWatch::get_unresolved() const {
   UnresolvedBodies unresolved = unresolved_;
+  for (const PassedOver& passed : laws_->list_rising()) {
+    const Law& law = scenario_.model.laws[at(passed.law)];
+    unresolved.add(passed.bodies, "law " + law.name + ": " + hil::describe(law, passed), simulation_.get_time() - dt_);
+  }
   for (const StepError& error : steps_->list_unresolved()) {
     const int bodies[] = {error.body};
-    unresolved.add(bodies, "step " + scenario_.model.bodies[at(error.body)].name + ": " + describe(error), error.time,
-                   simulation_.state());
+    unresolved.add(bodies, "step " + scenario_.model.bodies[at(error.body)].name + ": " + describe(error), error.from);
   }
+  for (const StepError& error : steps_->list_passed())
+    unresolved.add_passed(error.body,
+                          format("step %s, until %.6g s: %s", scenario_.model.bodies[at(error.body)].name.c_str(),
+                                 error.until, describe(error).c_str()),
+                          error.from, error.until, links_);
+  unresolved.spread(links_);
   return unresolved;
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import threading
 import warnings
@@ -51,6 +52,7 @@ class Batch:
     def run(self, until: float = 0, threads: int = 0) -> None:
         """Runs all samples that have not been run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
         After Ctrl-C another call continues. A SampleWarning names the samples without results: faulted, invalid or unresolved."""
+        until, threads = float(until), operator.index(threads)
         failure: List[BaseException] = []
         done = threading.Event()
 

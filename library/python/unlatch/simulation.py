@@ -396,7 +396,11 @@ def _get_flags(judge: bool, notice: bool) -> int:
 
 
 def _write_overrides(overrides: Optional[Mapping[str, object]]) -> List[str]:
-    return [] if overrides is None else [f"{path}={_write(value)}" for path, value in overrides.items()]
+    if overrides is None:
+        return []
+    if not isinstance(overrides, Mapping):
+        raise TypeError(f"overrides are a mapping of paths to values, not {type(overrides).__name__}")
+    return [f"{path}={_write(value)}" for path, value in overrides.items()]
 
 
 def _write(value: object) -> str:

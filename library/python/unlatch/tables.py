@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, 
 import numpy as np
 import numpy.typing as npt
 
-from unlatch.errors import FileError, Mistake
+from unlatch.errors import FileError, Mistake, MissingFileError
 from unlatch.simulation import Path, Simulation, open_recording
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def read_recording(path: Path, every: int = 1) -> Table:
         raise ValueError("every is 1 or more, in ticks")
     with open_recording(path) as sim:
         names, units, views = _list_views(sim)
+        _refuse_equal(FilePath(path), ["tick", "t", *names])
         rows: List[npt.NDArray[np.float64]] = []
         ticks: List[int] = []
         while True:
@@ -141,14 +142,12 @@ def _read_csv(path: FilePath) -> Table:
             headings: List[str] = next(lines, [])
             rows = list(lines)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise _make_error(path, f"cannot be read: {error}") from error
+        raise _make_read_error(path, error) from error
     if not headings or any(len(row) != len(headings) for row in rows):
         raise _make_error(path, "is no table: its lines have not all the columns of the first one")
-    twice = sorted({heading for heading in headings if headings.count(heading) > 1})
-    if twice:
-        raise _make_error(path, f"has more than one column '{twice[0]}': names of columns must differ")
+    _refuse_equal(path, headings)
     cells = list(zip(*rows)) if rows else [()] * len(headings)
-    return _build(headings, [_convert(column) for column in cells])
+    return _build(path, headings, [_convert(column) for column in cells])
 
 
 def _read_parquet(path: FilePath) -> Table:
@@ -159,13 +158,24 @@ def _read_parquet(path: FilePath) -> Table:
     except ImportError as error:
         raise _make_error(path, "needs pandas and pyarrow; a campaign's folder has the same table as samples.csv") from error
     except (OSError, ValueError) as error:
-        raise _make_error(path, f"cannot be read: {error}") from error
-    return _build([str(name) for name in frame.columns], [frame[name].to_numpy() for name in frame.columns])
+        raise _make_read_error(path, error) from error
+    headings = [str(name) for name in frame.columns]
+    _refuse_equal(path, headings)
+    return _build(path, headings, [frame.iloc[:, i].to_numpy() for i in range(len(headings))])
 
 
-def _build(headings: Sequence[str], columns: Sequence[Column]) -> Table:
+def _refuse_equal(path: FilePath, names: Sequence[str]) -> None:
+    seen = set()
+    for name in names:
+        if name in seen:
+            raise _make_error(path, f"has more than one column '{name}': names of columns must differ")
+        seen.add(name)
+
+
+def _build(path: FilePath, headings: Sequence[str], columns: Sequence[Column]) -> Table:
     parts = [_HEADING.fullmatch(heading) for heading in headings]
     names = [str(part[1]) if part else heading for part, heading in zip(parts, headings)]
+    _refuse_equal(path, names)
     return Table(dict(zip(names, columns)), {name: str(part[2] or "") if part else "" for part, name in zip(parts, names)})
 
 
@@ -179,6 +189,12 @@ def _convert(cells: Sequence[str]) -> Column:
         return np.array([float(cell) if cell else np.nan for cell in cells], dtype=np.float64)
     except ValueError:
         return np.array(cells)
+
+
+def _make_read_error(path: FilePath, error: Exception) -> FileError:
+    if isinstance(error, FileNotFoundError):
+        return MissingFileError([Mistake(f"{os.fspath(path)}: there is no such file", os.fspath(path), 0, 0, "")])
+    return _make_error(path, f"cannot be read: {error}")
 
 
 def _make_error(path: FilePath, what: str) -> FileError:

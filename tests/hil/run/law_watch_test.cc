@@ -98,6 +98,17 @@ TEST(LawsWatched, TheStepThatTheNoticeProposesSuffices) {
   }
 }
 
+// It would be judged when it ceases to rise, which the run does not see.
+TEST(LawsWatched, APulseInTheLastStepOfARunIsReported) {
+  for (const char* law :
+       {"500 N * exp(-((x - 1.0006 m) / (1 mm))^2)", "500 N * exp(-((time - 1.0003 s) / (1 ms))^2)"}) {
+    const AnalysedRun run(push(law, "10 ms"));
+    EXPECT_TRUE(is_unresolved(run)) << law << "\n" << list_notices(run);
+    EXPECT_THAT(list_notices(run), HasSubstr("law it rises")) << law;
+    EXPECT_FALSE(is_unresolved(AnalysedRun(push(law, "0.1 ms")))) << law;
+  }
+}
+
 // The run ends, or what depends on the law is unresolved.
 TEST(LawsWatched, AJumpThatIsNotWrittenWithIfLessIsNeverPassedInSilence) {
   for (const char* law :
