@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "hil/run/findings/findings.h"
 #include "hil/run/replay.h"
@@ -240,6 +242,47 @@ unlatch_status Engine::linearize(const unlatch_linear_model** model) {
     return fail(UNLATCH_ERROR_FAULT, error.what());
   }
   *model = &linear_->get();
+  return UNLATCH_OK;
+}
+
+namespace {
+
+unlatch_status refuse_without_model() {
+  return fail(UNLATCH_ERROR_ORDER, "there is no linear model yet: unlatch_linearize() makes it");
+}
+
+}  // namespace
+
+unlatch_status Engine::get_linear_response(const unlatch_linear_response** response) const {
+  if (!linear_) return refuse_without_model();
+  *response = &linear_->get_response();
+  return UNLATCH_OK;
+}
+
+unlatch_status Engine::calc_margins(const char* loop, double period, double delay,
+                                    unlatch_loop_margins* margins) const {
+  if (!linear_) return refuse_without_model();
+  if (!(period >= 0 && std::isfinite(period) && delay >= 0 && std::isfinite(delay)))
+    return fail(UNLATCH_ERROR_RANGE, "the period and the delay of a loop are times in s, at least 0");
+  hil::LoopMargins found;
+  try {
+    hil::LoopRequest request = hil::parse_loop(loop);
+    request.period = period;
+    request.delay = delay;
+    found = hil::calc_margins(linear_->get_system(), request);
+  } catch (const hil::LinearizationError& error) {
+    return fail(UNLATCH_ERROR_ARGUMENT, error.what());
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto put = [](const std::optional<hil::LoopMargins::At>& from, double& value, double& frequency) {
+    value = from ? from->value : kNone;
+    frequency = from ? from->frequency : kNone;
+  };
+  margins->stable = found.stable ? 1 : 0;
+  put(found.gain, margins->gain, margins->gain_frequency);
+  put(found.drop, margins->drop, margins->drop_frequency);
+  put(found.phase, margins->phase, margins->phase_frequency);
+  put(found.delay, margins->delay, margins->delay_frequency);
   return UNLATCH_OK;
 }
 

@@ -75,6 +75,8 @@ class Engine {
   unlatch_status judge(const unlatch_verdict** verdicts, std::size_t* count);
   unlatch_status get_findings(const unlatch_finding** findings, std::size_t* count);
   unlatch_status linearize(const unlatch_linear_model** model);
+  unlatch_status get_linear_response(const unlatch_linear_response** response) const;
+  unlatch_status calc_margins(const char* loop, double period, double delay, unlatch_loop_margins* margins) const;
 
   unlatch_status save(void* buffer, std::size_t capacity, std::size_t* needed) const;
   unlatch_status restore(const void* buffer, std::size_t length);

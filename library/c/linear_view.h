@@ -15,6 +15,8 @@ class LinearView {
   LinearView& operator=(const LinearView&) = delete;
 
   [[nodiscard]] const unlatch_linear_model& get() const { return view_; }
+  [[nodiscard]] const unlatch_linear_response& get_response() const { return response_; }
+  [[nodiscard]] const hil::LinearSystem& get_system() const { return system_; }
 
  private:
   using Names = std::vector<const char*>;
@@ -25,8 +27,9 @@ class LinearView {
 
   hil::LinearSystem system_;
   List states_, inputs_, outputs_;
-  std::vector<double> matrices_[8];
+  std::vector<double> matrices_[8], poles_, gains_[2];
   unlatch_linear_model view_;
+  unlatch_linear_response response_;
 };
 
 }  // namespace unlatch::library

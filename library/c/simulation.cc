@@ -208,6 +208,17 @@ unlatch_status unlatch_linearize(unlatch_simulation* simulation, const unlatch_l
   return with_engine(simulation, [&](Engine& engine) { return engine.linearize(model); });
 }
 
+unlatch_status unlatch_get_linear_response(unlatch_simulation* simulation, const unlatch_linear_response** response) {
+  if (response == nullptr) return refuse_null("the place for poles and gains");
+  return with_engine(simulation, [&](Engine& engine) { return engine.get_linear_response(response); });
+}
+
+unlatch_status unlatch_calc_margins(unlatch_simulation* simulation, const char* loop, double period, double delay,
+                                    unlatch_loop_margins* margins) {
+  if (loop == nullptr || margins == nullptr) return refuse_null("the loop, or the place for its margins");
+  return with_engine(simulation, [&](Engine& engine) { return engine.calc_margins(loop, period, delay, margins); });
+}
+
 // --- States and recordings ------------------------------------------------------------------------------------------
 
 unlatch_status unlatch_save(unlatch_simulation* simulation, void* buffer, size_t capacity, size_t* needed) {

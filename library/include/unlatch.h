@@ -280,6 +280,36 @@ typedef struct unlatch_linear_model {
  * evaluations for each state and channel. Valid until this simulation's next call. */
 UNLATCH_API unlatch_status unlatch_linearize(unlatch_simulation* simulation, const unlatch_linear_model** model);
 
+/* Poles and steady-state gains of a linear model. */
+typedef struct unlatch_linear_response {
+  size_t pole_count;
+  const double* poles; /* real and imaginary part of each, 1/s, by their size */
+  /* D - C A^-1 B and its estimated errors, output_count by input_count, by rows: what an output changes by in the end, for
+   * each unit of a constant input, if the motions decay. Null where a pole is at 0. */
+  const double *gains, *gains_error;
+} unlatch_linear_response;
+
+/* Returns those of the model that the latest unlatch_linearize() made, which stays valid with it; UNLATCH_ERROR_ORDER
+ * before the first. */
+UNLATCH_API unlatch_status unlatch_get_linear_response(unlatch_simulation* simulation,
+                                                       const unlatch_linear_response** response);
+
+/* Margins of a loop, each the least over all crossings; value and frequency (rad/s) are NaN without such a crossing. */
+typedef struct unlatch_loop_margins {
+  int stable;                   /* 1: the closed loop is */
+  double gain, gain_frequency;  /* factor above 1 that the loop's gain may grow by */
+  double drop, drop_frequency;  /* factor below 1 that it may fall to */
+  double phase, phase_frequency; /* rad */
+  double delay, delay_frequency; /* s, beside the loop's own */
+} unlatch_loop_margins;
+
+/* Returns the margins of negative feedback around the model that the latest unlatch_linearize() made: `loop` is written
+ * as for `unlatch linearize --loop`, "torque=12*sensor.angle+30*sensor.gyro.z". period: s, outputs are sampled and the
+ * channel is held; 0: continuous. delay: s, with a period a whole number of these. UNLATCH_ERROR_ORDER before the first
+ * model; UNLATCH_ERROR_ARGUMENT for a loop that cannot be read or names what the model has not. */
+UNLATCH_API unlatch_status unlatch_calc_margins(unlatch_simulation* simulation, const char* loop, double period,
+                                                double delay, unlatch_loop_margins* margins);
+
 /* --- States -------------------------------------------------------------------------------------------------------- */
 
 /* Saves all data that determine the further run, as *needed bytes; written if `capacity` is that or more. `buffer` may

@@ -1,11 +1,13 @@
 // Module unlatch._native: the C library for Python. A thin layer: handles become objects, statuses exceptions, arrays
 // NumPy views of the library's own memory, which keep the handle open. The interpreter's lock is released while the
 // library works.
+#include <pybind11/complex.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <complex>
 #include <memory>
 #include <string>
 #include <vector>
@@ -210,6 +212,23 @@ class Simulation {
     }
     return list;
   }
+  // Of the model of linearize().
+  std::vector<std::complex<double>> list_poles() const {
+    const unlatch_linear_response* response = nullptr;
+    check(unlatch_get_linear_response(get(), &response));
+    std::vector<std::complex<double>> poles;
+    for (std::size_t i = 0; i < response->pole_count; ++i)
+      poles.emplace_back(response->poles[2 * i], response->poles[2 * i + 1]);
+    return poles;
+  }
+  py::object copy_gains(std::size_t rows, std::size_t columns, bool errors) const {
+    const unlatch_linear_response* response = nullptr;
+    check(unlatch_get_linear_response(get(), &response));
+    if (response->gains == nullptr) return py::none();
+    py::array_t<double> out({rows, columns});
+    std::copy_n(errors ? response->gains_error : response->gains, rows * columns, out.mutable_data());
+    return out;
+  }
   py::tuple linearize() const {
     const unlatch_linear_model* m = nullptr;
     check(unlatch_linearize(get(), &m));
@@ -226,7 +245,14 @@ class Simulation {
                           list(m->input_units, inputs), list(m->outputs, outputs), list(m->output_units, outputs),
                           copy(m->a, n, n), copy(m->b, n, inputs), copy(m->c, outputs, n), copy(m->d, outputs, inputs),
                           copy(m->a_error, n, n), copy(m->b_error, n, inputs), copy(m->c_error, outputs, n),
-                          copy(m->d_error, outputs, inputs));
+                          copy(m->d_error, outputs, inputs), list_poles(), copy_gains(outputs, inputs, false),
+                          copy_gains(outputs, inputs, true));
+  }
+  py::tuple calc_margins(const std::string& loop, double period, double delay) const {
+    unlatch_loop_margins m;
+    check(unlatch_calc_margins(get(), loop.c_str(), period, delay, &m));
+    return py::make_tuple(m.stable != 0, m.gain, m.gain_frequency, m.drop, m.drop_frequency, m.phase, m.phase_frequency,
+                          m.delay, m.delay_frequency);
   }
   py::bytes save() const {
     std::size_t needed = 0;
@@ -363,6 +389,7 @@ PYBIND11_MODULE(_native, module) {
       .def("judge", &Simulation::judge)
       .def("get_findings", &Simulation::get_findings)
       .def("linearize", &Simulation::linearize)
+      .def("calc_margins", &Simulation::calc_margins)
       .def("save", &Simulation::save)
       .def("restore", &Simulation::restore)
       .def("reset", &Simulation::reset)

@@ -8,6 +8,7 @@ import locale
 import math
 import os
 import pickle
+import re
 import shutil
 import subprocess
 import sys
@@ -78,6 +79,46 @@ class PythonTest(ProcessTest):
             self.assertEqual(linear.outputs[2], "sensor.gyro.z")
             self.assertAlmostEqual(linear.C[2, linear.states.index("rate.body.craft.rot_z")], 1, delta=1e-9)
             self.assertLess(linear.A_error.max(), 1e-9)
+            self.assertIsNone(linear.gains)  # it floats freely
+            self.assertEqual(len(linear.poles), 12)
+            self.assertLess(max(map(abs, linear.poles)), 1e-3)
+
+    # A pendulum of stiffness k, damping d and inertia 1 with a motor, and a loop (60 + 9 s) e^-0.02s around it.
+    def test_poles_gains_and_margins_are_those_of_closed_forms(self):
+        text = ("unlatch: 1\nname: pendulum\nstep: {dt: 1 ms, until: 2}\ngravity: {uniform: [9.81, 0, 0]}\n"
+                "channels: {torque: {initial: 0, range: [-100, 100], unit: N m}}\nbodies:\n"
+                "  bar: {mass: 3, inertia: [0.01, 0.25, 0.25], position: [0.5, 0, 0]}\njoints:\n"
+                "  hinge: {between: [ground, bar], point: [0, 0, 0], follower_point: [-0.5, 0, 0], modes: {hinge: {kind: revolute, axis: z}}, mode: hinge}\n"
+                "elements:\n  damper: {type: joint_spring, joint: hinge, axis: rot_z, damping: 0.4}\n"
+                "  motor: {type: torque, body: bar, frame: world, direction: [0, 0, 1], profile: 1 N*m, channel: torque}\n"
+                "sensors:\n  angle: {type: angle, joint: hinge, axis: rot_z}\n  speed: {type: speed, joint: hinge, axis: rot_z}\n")
+        k, d, late = 3 * 9.81 * 0.5, 0.4, 0.02
+        loop = "torque=60*sensor.angle+9*sensor.speed"
+        with unlatch.load_text(text) as sim:
+            with self.assertRaises(unlatch.OrderError):
+                sim.calc_margins(loop)
+            linear = sim.linearize()
+            np.testing.assert_allclose(sorted(linear.poles, key=lambda p: p.imag), sorted(np.roots([1, d, k]), key=lambda p: p.imag), rtol=1e-6)
+            np.testing.assert_allclose(linear.gains, [[1 / k], [0]], rtol=1e-7, atol=1e-9)
+            self.assertLess(np.max(linear.gains_error), 1e-7)
+            margins = sim.calc_margins(loop, delay=late)
+            self.assertTrue(margins.stable)
+
+            def open_loop(w):
+                return (60 + 9j * w) / (k - w * w + 1j * d * w) * np.exp(-1j * w * late)
+
+            self.assertAlmostEqual(abs(open_loop(margins.phase_frequency)), 1, places=6)
+            self.assertAlmostEqual(abs(np.angle(-open_loop(margins.phase_frequency))), margins.phase, places=6)
+            self.assertAlmostEqual(np.angle(-open_loop(margins.gain_frequency)), 0, places=6)
+            self.assertAlmostEqual(1 / abs(open_loop(margins.gain_frequency)), margins.gain, places=5)
+            self.assertAlmostEqual(margins.delay, margins.phase / margins.delay_frequency, places=6)
+            self.assertTrue(np.isnan(margins.drop))
+            self.assertFalse(sim.calc_margins(loop, delay=late + 1.01 * margins.delay).stable)
+            for wrong, text in (("torque=60*sensor.angles", "did you mean 'sensor.angle'"), ("torque=sensor.angle", "CHANNEL=GAIN*OUTPUT")):
+                with self.assertRaisesRegex(unlatch.Error, re.escape(text)):
+                    sim.calc_margins(wrong)
+            with self.assertRaises(unlatch.RangeError):
+                sim.calc_margins(loop, period=-1)
 
     def test_a_recording_is_read_and_followed(self):
         log, wanted = self.record_session()

@@ -15,13 +15,13 @@ The interpreter's lock is released while the library steps; one thread at a time
 from unlatch.batch import Batch
 from unlatch.errors import (DifferenceError, Error, FaultError, FileError, Mistake, MissingFileError, MissingScenarioError, OrderError,
                             RangeError, SampleWarning, ScenarioError, StateError)
-from unlatch.linear import LinearModel
+from unlatch.linear import LinearModel, LoopMargins
 from unlatch.simulation import (Body, Channels, Constant, Event, Finding, Item, Joint, Number, Quantity, Simulation, Verdict, load, load_text,
                                 open_recording)
 from unlatch.tables import Table, read_recording, read_table
 from unlatch._native import get_version as _get_version
 
 __version__: str = _get_version()
-__all__ = ["Batch", "Body", "Channels", "Constant", "DifferenceError", "Error", "Event", "FaultError", "FileError", "Finding", "Item", "Joint", "LinearModel",
+__all__ = ["Batch", "Body", "Channels", "Constant", "DifferenceError", "Error", "Event", "FaultError", "FileError", "Finding", "Item", "Joint", "LinearModel", "LoopMargins",
            "Mistake", "MissingFileError", "MissingScenarioError", "Number", "OrderError", "Quantity", "RangeError", "SampleWarning", "ScenarioError", "Simulation", "StateError", "Table", "Verdict", "load",
            "load_text", "open_recording", "read_recording", "read_table"]

@@ -1,5 +1,5 @@
 """The linear model of a simulation about its present state."""
-from typing import List, NamedTuple
+from typing import List, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +9,8 @@ Matrix = npt.NDArray[np.float64]
 
 class LinearModel(NamedTuple):
     """dx/dt = A x + B u, y = C x + D u about the state at `time`, s. x: deviations of the free coordinates of the present modes, then of
-    their speeds; u: of all channels; y: of all sensors' values, then of all quantities. *_error: estimated errors of the entries."""
+    their speeds; u: of all channels; y: of all sensors' values, then of all quantities. *_error: estimated errors of the entries.
+    poles: of A, 1/s, by their size. gains: the steady-state gains D - C A^-1 B, outputs by inputs; None where a pole is at 0."""
 
     time: float
     states: List[str]
@@ -26,3 +27,22 @@ class LinearModel(NamedTuple):
     B_error: Matrix
     C_error: Matrix
     D_error: Matrix
+    poles: List[complex]
+    gains: Optional[Matrix]
+    gains_error: Optional[Matrix]
+
+
+class LoopMargins(NamedTuple):
+    """Margins of a loop, each the least over all crossings, with its frequency, rad/s; NaN without such a crossing. stable: of the closed
+    loop. gain: factor above 1 that the loop's gain may grow by; drop: factor below 1 that it may fall to; phase: rad; delay: s, beside
+    the loop's own."""
+
+    stable: bool
+    gain: float
+    gain_frequency: float
+    drop: float
+    drop_frequency: float
+    phase: float
+    phase_frequency: float
+    delay: float
+    delay_frequency: float

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from unlatch import _native
-from unlatch.linear import LinearModel
+from unlatch.linear import LinearModel, LoopMargins
 
 Path = Union[str, "os.PathLike[str]"]
 Numbers = npt.NDArray[np.float64]
@@ -341,6 +341,11 @@ class Simulation:
     def linearize(self) -> LinearModel:
         """Linearises about the present state; the state does not change. Raises FaultError where a pivot vanishes."""
         return LinearModel(*self._native.linearize())
+
+    def calc_margins(self, loop: str, period: float = 0, delay: float = 0) -> LoopMargins:
+        """Margins of negative feedback around the latest linearize(): loop "torque=12*sensor.angle+30*sensor.gyro.z", sampled and held each
+        `period` (s, 0: continuous), `delay` late (s). OrderError before linearize(); Error for a loop that cannot be read or names what the model has not."""
+        return LoopMargins(*self._native.calc_margins(loop, period, delay))
 
     @property
     def clearances(self) -> Named[Numbers]:

@@ -141,6 +141,12 @@ class LanguageTest(unittest.TestCase):
         # An editor reads the document as JSON.
         return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
 
+    # Errors of a change to EVERYTHING, which satisfies the schema as a whole. At the top the schema asks for keys and sees each of their
+    # values apart, so that only the changed ones are read again, and those that it asks for.
+    def find_errors_of_change(self, document):
+        required = {"unlatch", "name", "step", "bodies", "include"}
+        return self.find_schema_errors({key: value for key, value in document.items() if key in required or key not in EVERYTHING or value != EVERYTHING[key]})
+
     def test_schema_and_reference_are_made_of_the_table(self):
         done = subprocess.run([sys.executable, "-B", SOURCE / "hil/scenario/language/generate.py", "--check"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -227,7 +233,7 @@ class LanguageTest(unittest.TestCase):
                 for value in beyond:
                     document = changed(path, lambda node: node.update({key: value}))
                     self.assertIn("mistakes", self.probe.ask(document), f"{name}.{key} = {value}")
-                    self.assertTrue(self.find_schema_errors(document), f"{name}.{key} = {value}")
+                    self.assertTrue(self.find_errors_of_change(document), f"{name}.{key} = {value}")
                     tried += 1
         self.assertGreater(tried, 25)
 
@@ -281,7 +287,7 @@ class LanguageTest(unittest.TestCase):
             else:
                 parent[key] = 7.5
             mistakes = [m["what"] for m in self.probe.ask(document).get("mistakes", [])]
-            errors = self.find_schema_errors(document)
+            errors = self.find_errors_of_change(document)
             note = f"seed {seed}, {i}: {what} at {path}: {mistakes} against {errors}"
             if any(shapes.search(m) for m in mistakes):
                 self.assertTrue(errors, note)

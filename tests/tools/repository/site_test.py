@@ -61,6 +61,9 @@ class SiteTest(unittest.TestCase):
         site = Path(folder.name).resolve()
         done = subprocess.run([SOURCE / "tools/docs", site], capture_output=True, text=True, timeout=HANG, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
+        described, names = map(int, re.search(r"^(\d+) of (\d+) public names have a description$", done.stdout, re.M).groups())
+        self.assertEqual(described, names)
+        self.assertGreater(names, 1000)
         pages = {path: Page(path) for path in site.rglob("*.html") if site / "cpp" not in path.parents}
         self.assertGreater(len(pages), 60)
         with self.subTest("links"):

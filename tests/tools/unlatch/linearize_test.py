@@ -57,21 +57,41 @@ class LinearizeTest(ProcessTest):
         found = sorted((complex(*pole) for pole in linear["poles"]), key=lambda pole: pole.imag)
         np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
+    # A constant torque turns the bar by torque / stiffness in the end, and no further.
+    def test_a_pendulum_has_its_steady_state_gains_and_a_free_body_has_none(self):
+        linear = self.linearize()
+        np.testing.assert_allclose(linear["gains"], [[1 / STIFFNESS], [0]], rtol=DIFFERENCES, atol=1e-9)
+        self.assertLessEqual(abs(linear["gains"][0][0] - 1 / STIFFNESS), linear["gains_error"][0][0])
+        self.assertLess(np.max(linear["gains_error"]), 1e-6 / STIFFNESS)
+        self.assertRegex(self.run_ok(UNLATCH, "linearize", self.plant).stdout, r"steady-state gains\n  torque to sensor.angle +0\.06[78]\d* rad per N m\n\n")
+        longer = self.run_json(UNLATCH, "run", self.plant, "--until", "60 s", "--set", "channels.torque.initial=0.01", "--sample", "60")
+        self.assertAlmostEqual(2 * longer["samples"][0]["bodies"]["bar"]["q"][3] / 0.01, linear["gains"][0][0], delta=1e-6)
+        self.plant.write_text(PENDULUM.replace("gravity: {uniform: [9.81, 0, 0]}\n", ""), encoding="utf-8")
+        self.assertIsNone(self.linearize()["gains"])
+        self.assertIn("1 pole at 0", self.run_ok(UNLATCH, "linearize", self.plant).stdout)
+
     def test_its_files_are_read_by_numpy_and_as_a_matlab_file(self):
         linear = self.linearize("--at", "0.1")
         self.run_ok(UNLATCH, "linearize", self.plant, "--at", "0.1", "--out", self.folder / "plant.npz")
         with np.load(self.folder / "plant.npz") as file:
             for name in "ABCD":
                 np.testing.assert_array_equal(file[name], linear[name])
+            np.testing.assert_array_equal(file["gains"], linear["gains"])
+            np.testing.assert_array_equal(file["poles"], linear["poles"])
             self.assertEqual(list(file["states"]), [state["name"] for state in linear["states"]])
         self.run_ok(UNLATCH, "linearize", self.plant, "--at", "0.1", "--out", self.folder / "plant.mat")
         found = read_mat((self.folder / "plant.mat").read_bytes())
         for name in "ABCD":
             np.testing.assert_array_equal(found[name], linear[name])
+        np.testing.assert_array_equal(found["gains"], linear["gains"])
         self.assertEqual([text.rstrip() for text in found["states"]], [state["name"] for state in linear["states"]])
 
     def test_an_event_names_the_state(self):
         self.assertEqual(self.linearize("--at", "event:early")["t"], 0.25)
+
+    def test_a_time_may_have_its_unit(self):
+        self.assertEqual(self.linearize("--at", "250 ms"), self.linearize("--at", "0.25"))
+        self.assertEqual(call(UNLATCH, "linearize", self.plant, "--at", "2 m").returncode, 2)
 
     def test_wrong_names_are_refused_with_those_that_are_there(self):
         for options, text in ((("--at", "event:erly"), "did you mean 'early'"), (("--inputs", "thrust"), "there are: torque"),

@@ -1,10 +1,10 @@
 // unlatch linearize: the linear model about a state of a run, for the design of controllers.
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "hil/run/linearization.h"
+#include "hil/scenario/text/expression.h"
 #include "hil/scenario/text/number_text.h"
 #include "tools/common/matrix_files.h"
 #include "tools/common/output.h"
@@ -39,10 +39,13 @@ hil::LinearRequest read_request(const LinearizeOptions& options) {
     if (request.event.empty()) refuse_option("--at", "'event:' is followed by the name of an event: event:release");
     return request;
   }
-  const auto [last, error] = std::from_chars(options.at.data(), options.at.data() + options.at.size(), request.time);
-  if (error != std::errc() || last != options.at.data() + options.at.size() || !(request.time >= 0))
-    refuse_option("--at", "'" + options.at + "' is neither a time in s, at least 0, nor event:NAME");
-  return request;
+  try {
+    const hil::Quantity time = hil::evaluate_expression(options.at, {});
+    request.time = time.value;
+    if (time.value >= 0 && (time.dimension.is_plain() || hil::dimension_of("s").takes(time.dimension))) return request;
+  } catch (const hil::ExpressionError&) {  // refused below
+  }
+  refuse_option("--at", "'" + options.at + "' is neither a time, at least 0, such as 3, 3 s or 300 ms, nor event:NAME");
 }
 
 Json build_names(const std::vector<hil::LinearName>& names) {
@@ -89,6 +92,8 @@ Json build_json(const hil::Scenario& scenario, const hil::LinearSystem& system, 
                {"accelerations", std::vector<double>(model.accelerations.begin(), model.accelerations.end())}};
   Json& poles = json["poles"] = Json::array();
   for (const std::complex<double>& pole : system.poles) poles.push_back({pole.real(), pole.imag()});
+  json["gains"] = system.gains ? build_matrix(system.gains->values) : Json(nullptr);
+  json["gains_error"] = system.gains ? build_matrix(system.gains->errors) : Json(nullptr);
   json["corners"] = model.corners;
   Json& list = json["loops"] = Json::array();
   for (const Loop& loop : loops)
@@ -109,16 +114,26 @@ void write_file(const std::string& path, const hil::Scenario& scenario, const hi
     write_json(build_json(scenario, system, loops), path);
     return;
   }
-  const std::vector<NamedMatrix> matrices{{"A", model.A},
-                                          {"B", model.B},
-                                          {"C", model.C},
-                                          {"D", model.D},
-                                          {"A_error", model.A_error},
-                                          {"B_error", model.B_error},
-                                          {"C_error", model.C_error},
-                                          {"D_error", model.D_error},
-                                          {"accelerations", model.accelerations},
-                                          {"t", Eigen::MatrixXd::Constant(1, 1, system.time)}};
+  std::vector<NamedMatrix> matrices{{"A", model.A},
+                                    {"B", model.B},
+                                    {"C", model.C},
+                                    {"D", model.D},
+                                    {"A_error", model.A_error},
+                                    {"B_error", model.B_error},
+                                    {"C_error", model.C_error},
+                                    {"D_error", model.D_error},
+                                    {"accelerations", model.accelerations},
+                                    {"t", Eigen::MatrixXd::Constant(1, 1, system.time)}};
+  Eigen::MatrixXd poles(std::ssize(system.poles), 2);
+  for (Eigen::Index i = 0; i < poles.rows(); ++i) {
+    const std::complex<double>& pole = system.poles[static_cast<std::size_t>(i)];
+    poles.row(i) << pole.real(), pole.imag();
+  }
+  matrices.push_back({"poles", std::move(poles)});
+  if (system.gains) {
+    matrices.push_back({"gains", system.gains->values});
+    matrices.push_back({"gains_error", system.gains->errors});
+  }
   std::vector<NamedTexts> texts;
   const auto add = [&](const std::string& what, const std::vector<hil::LinearName>& names) {
     NamedTexts& own = texts.emplace_back(NamedTexts{what, {}});
@@ -161,8 +176,31 @@ void print_poles(std::FILE* out, const hil::LinearSystem& system) {
                  hil::write_short(drop_rounding(-pole.real() / size, 1e3)).c_str());
   }
   if (still > 0)
-    std::fprintf(out, "%s at 0, to %s /s: free motions\n", count(still, "pole").c_str(),
-                 hil::write_short(system.pole_rounding).c_str());
+    std::fprintf(out, "%s at 0, to %s /s: free motions, so that there are no steady-state gains\n",
+                 count(still, "pole").c_str(), hil::write_short(system.pole_rounding).c_str());
+}
+
+// In the order of the model; gains that are not distinct from 0 are left out.
+void print_gains(std::FILE* out, const hil::LinearSystem& system) {
+  if (!system.gains || system.gains->values.size() == 0) return;
+  constexpr int kMost = 40;
+  std::fprintf(out, "\nsteady-state gains\n");
+  int printed = 0, left = 0;
+  for (std::size_t i = 0; i < system.inputs.size(); ++i)
+    for (std::size_t k = 0; k < system.outputs.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(i);
+      const double gain = system.gains->values(row, column);
+      if (std::abs(gain) <= system.gains->errors(row, column)) continue;  // not distinct from 0
+      if (printed == kMost) {
+        ++left;
+        continue;
+      }
+      ++printed;
+      std::fprintf(out, "  %-40s %s %s per %s\n", (system.inputs[i].name + " to " + system.outputs[k].name).c_str(),
+                   hil::write_short(gain).c_str(), system.outputs[k].unit.c_str(), system.inputs[i].unit.c_str());
+    }
+  if (printed == 0) std::fprintf(out, "  none is distinct from 0\n");
+  if (left > 0) std::fprintf(out, "  %s: --json\n", count(left, "further gain").c_str());
 }
 
 void print_margin(std::FILE* out, const char* name, const std::optional<hil::LoopMargins::At>& margin, double unit,
@@ -185,6 +223,7 @@ void print(std::FILE* out, const hil::Scenario& scenario, const hil::LinearSyste
     std::fprintf(out, "%-30s %-6s %s\n", system.states[k].name.c_str(), system.states[k].unit.c_str(),
                  hil::write_short(drop_rounding(model.accelerations[static_cast<Eigen::Index>(k)], 1)).c_str());
   print_poles(out, system);
+  print_gains(out, system);
   std::fprintf(out, "\nestimated errors beside the largest entry: A %s, B %s, C %s, D %s\n",
                hil::write_short(calc_relative_error(model.A, model.A_error)).c_str(),
                hil::write_short(calc_relative_error(model.B, model.B_error)).c_str(),
@@ -244,7 +283,8 @@ void add_linearize(Command app, int& exit_code) {
       "linearize",
       "Linearises a scenario about a state of its run: dx/dt = A x + B u, y = C x + D u, with x the free coordinates "
       "of "
-      "the present modes and their speeds, u the channels, y sensors and quantities. Prints the poles; with --loop the "
+      "the present modes and their speeds, u the channels, y sensors and quantities. Prints the poles and the "
+      "steady-state gains; with --loop the "
       "margins of a loop with sampling and delay.",
       "unlatch linearize hil/scenarios/array/scenario.yaml --at event:latch1 --out array.mat\n"
       "unlatch linearize plant.yaml --inputs torque --outputs 'sensor.gyro.*' --loop 'torque=30*sensor.gyro.z' "
@@ -252,10 +292,10 @@ void add_linearize(Command app, int& exit_code) {
       "10ms --delay 20ms");
   add_scenario_options(command, options->scenario);
   command
-      .add_option(
-          "--at", options->at,
-          "the state: a time, s, moved to the nearest tick; or event:NAME or event:NAME.SUBJECT, the end of the "
-          "step in which this event acts first (default: 0)")
+      .add_option("--at", options->at,
+                  "the state: a time, s or with its unit, moved to the nearest tick; or event:NAME or "
+                  "event:NAME.SUBJECT, the end of the "
+                  "step in which this event acts first (default: 0)")
       .type_name("TIME|event:NAME");
   command.add_option("--inputs", options->inputs, "channels, by name or pattern (default: all)")
       .type_name("NAME,...")
