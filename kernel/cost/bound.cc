@@ -250,9 +250,10 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   const bool jumps = std::any_of(plan.laws.corners.begin(), plan.laws.corners.end(),
                                  [](const PlanCorner& corner) { return corner.jumps; });
   const std::int64_t corners = plan.laws.corners.empty() ? 0 : kMostCornerSplits;
-  limits.sub_steps = limits.parts + limits.splits + (plan.knots.empty() ? corners : kMostCornerSplits);
+  const std::int64_t features = pairs > 0 ? kMostFeatureSplits : 0;
+  limits.sub_steps = limits.parts + limits.splits + (plan.knots.empty() ? corners : kMostCornerSplits) + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
-                    (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
+                    features * kMostFeatureTries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;
   // At one instant an event acts or begins to wait once, and a pair changes twice.
   limits.rounds = events.once + (1 + limits.splits) * (events.repeating + 2 * pairs);

@@ -16,6 +16,9 @@ namespace {
 constexpr double kSimultaneous = 1e-6;
 // Part of the sub-step: an event is located once the next try would be nearer than this to the latest one.
 constexpr double kLocated = 1e-6;
+// Part of the sub-step: a change of a feature is located once the next try would be nearer than this to the latest one,
+// and does not count within the second of either end. What a corner of the forces costs is of the square of that.
+constexpr double kFeatureLocated = 1e-3, kFeatureNear = 1e-2;
 constexpr double kBeyond = 16;  // growth of what a try beyond the estimate adds
 
 // Tries the sub-step from its start to `end`. Leaves the evaluation of `end`, guards included.
@@ -32,6 +35,7 @@ void keep_low(Run& run) {
   std::copy(run.ev().guards.begin(), run.ev().guards.end(), run.search().guards_low.begin());
   std::copy(run.ev().pair_rates.begin(), run.ev().pair_rates.end(), run.search().rates_low.begin());
   std::copy_n(run.ev().law_places.begin(), run.search().places_low.size(), run.search().places_low.begin());
+  std::copy(run.ev().pair_features.begin(), run.ev().pair_features.end(), run.search().features_low.begin());
 }
 
 void keep_high(Run& run) {
@@ -276,6 +280,58 @@ bool may_split_at_corner(Run& run) {
   return end;
 }
 
+// --- Features of closed pairs ----------------------------------------------------------------------------------------
+
+// A margin that changes its sign in a sub-step.
+struct FeatureChange {
+  double time;  // after its start by the chord, s
+  std::size_t pair, margin;
+};
+
+// The first change within `h` seconds; of time h if there is none.
+FeatureChange find_feature_change(const Run& run, double h) {
+  FeatureChange first{h, 0, 0};
+  for (std::size_t i = 0; i < run.ev().pair_features.size(); ++i) {
+    if (run.state().contacts[i].closed == 0) continue;
+    const PairFeature &low = run.search().features_low[i], &high = run.ev().pair_features[i];
+    for (std::size_t k = 0; k < kPairMargins; ++k) {
+      if (!(low[k] < 0 && high[k] >= 0) && !(low[k] >= 0 && high[k] < 0)) continue;
+      const double time = h * (low[k] / (low[k] - high[k]));
+      if (time > kFeatureNear * h && time < (1 - kFeatureNear) * h && time < first.time) first = {time, i, k};
+    }
+  }
+  return first;
+}
+
+// The time of the first change of a feature up to `end`, of which the evaluation is, so that forces are smooth before
+// it; `end` if there is none, or kFailed. The evaluation is of that time, guards_high too.
+double find_feature_time(Run& run, const SubstepStart& start, double end) {
+  Bracket bracket{0, end - start.t, 0};
+  const FeatureChange change = find_feature_change(run, bracket.to);
+  if (change.time == bracket.to || run.search().features == kMostFeatureSplits) return end;
+  ++run.search().features;
+  const auto get_margin = [&change](std::span<const PairFeature> of) { return of[change.pair][change.margin]; };
+  const double side = get_margin(run.search().features_low) < 0 ? 1 : -1;
+  const double tolerance = std::max(kFeatureLocated * bracket.to, run.plan.get_slack());
+  double low = side * get_margin(run.search().features_low), high = side * get_margin(run.ev().pair_features);
+  double middle = 0, reached = end;
+  Crossing next{change.time, false};
+  for (int i = 0; i < kMostFeatureTries; ++i) {
+    reached = std::min(start.t + next.time, end);
+    if (!try_substep(run, start, reached)) return kFailed;
+    const double guard = side * get_margin(run.ev().pair_features), x = next.time;
+    if (!std::isfinite(guard)) break;  // more than the radii overlap there
+    double& replaced = guard >= 0 ? high : low;
+    middle = replaced;
+    replaced = guard;
+    bracket.narrow(x, guard >= 0);
+    next = interpolate(bracket, low, high, middle);
+    if (std::fabs(next.time - x) <= tolerance) break;
+  }
+  keep_high(run);
+  return reached;
+}
+
 // Tolerances of guards: an event whose guard is this little below zero acts together with the first.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search();
@@ -302,7 +358,10 @@ Reached advance_to_event(Run& run, double now, double target, Contacts contacts,
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
-  if (end == target && may_split && !run.plan.laws.corners.empty()) end = find_first_corner_time(run, start, end);
+  if (end == target && may_split) {  // the evaluation is of that time
+    if (!run.plan.laws.corners.empty()) end = find_first_corner_time(run, start, end);
+    if (!run.plan.contacts.empty() && end != kFailed) end = find_feature_time(run, start, end);
+  }
   if (end == kFailed) return {kFailed, false};
   const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) return stop_at_first(run, start, end);

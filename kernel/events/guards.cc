@@ -127,6 +127,7 @@ void update_pair_guards(const Instant& now, Evaluation& ev) {
       guards[i] = off ? kYes : ev.pair_distances[i] - pair.edge;
     else
       guards[i] = off ? kNo : pair.edge - ev.pair_distances[i];
+    if (pair.closed != 0) ev.pair_features[i] = calc_pair_feature(now.plan, i, off, ev);
   }
 }
 

@@ -4,10 +4,12 @@
 
 namespace unlatch {
 
-inline constexpr int kMostTries = 24;        // that locate one event
-inline constexpr int kMostLooks = 8;         // that search for touches within a sub-step
-inline constexpr int kMostCornerTries = 6;   // that end at a corner of a law
-inline constexpr int kMostJumpTries = 12;    // that end behind a jump of a law
-inline constexpr int kMostCornerSplits = 8;  // of a step, at corners of laws
+inline constexpr int kMostTries = 24;         // that locate one event
+inline constexpr int kMostLooks = 8;          // that search for touches within a sub-step
+inline constexpr int kMostCornerTries = 6;    // that end at a corner of a law
+inline constexpr int kMostJumpTries = 12;     // that end behind a jump of a law
+inline constexpr int kMostCornerSplits = 8;   // of a step, at corners of laws
+inline constexpr int kMostFeatureTries = 5;   // that end where the feature of a closed pair changes
+inline constexpr int kMostFeatureSplits = 8;  // of a step, at changes of features
 
 }  // namespace unlatch

@@ -178,4 +178,27 @@ Projection calc_projection(const Core& core, const Vec3& x) {
   return out;
 }
 
+Margins calc_margins(const Core& core, const Vec3& x) {
+  const Vec3 l = to_local(core, x);
+  switch (core.kind) {
+    case Core::Kind::kPoint:
+      return {{1, 1, 1}, true};
+    case Core::Kind::kSegment:
+      return {{std::fabs(l.z) - core.h, 1, 1}, true};
+    case Core::Kind::kBox: {
+      const Vec3 beyond{std::fabs(l.x) - core.half.x, std::fabs(l.y) - core.half.y, std::fabs(l.z) - core.half.z};
+      return {beyond, beyond.x > 0 || beyond.y > 0 || beyond.z > 0};
+    }
+    case Core::Kind::kFrustum: {
+      const double rho = std::sqrt(l.x * l.x + l.y * l.y);
+      const double along = (rho - core.r0) * core.gr + (l.z + core.h) * core.gz;
+      const bool ends = std::fabs(l.z) > core.h;
+      return {{along, along - core.length, ends ? rho - (l.z < 0 ? core.r0 : core.r1) : 1},
+              calc_meridian(core, rho, l.z).region != Meridian::Region::kInside};
+    }
+    default:
+      return {};
+  }
+}
+
 }  // namespace unlatch::geometry

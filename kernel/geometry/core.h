@@ -45,6 +45,15 @@ inline double calc_extent(const Core& core, const Vec3& n) { return dot(n, calc_
 
 Projection calc_projection(const Core& core, const Vec3& x);
 
+// How far the projection of x is from the borders of the feature (face, side, rim, edge, vertex, end) that it lies on:
+// smooth functions of x near those borders, one of which changes sign where the feature changes, and with it the
+// projection's derivative. Those that a core does not have are 1.
+struct Margins {
+  Vec3 of;             // m
+  bool known = false;  // only outside, and not of hulls and half frustums
+};
+Margins calc_margins(const Core& core, const Vec3& x);
+
 inline Vec3 to_local(const Core& core, const Vec3& x) { return transpose_times(core.R, x - core.c); }
 inline Vec3 to_pair(const Core& core, const Vec3& x) { return core.c + core.R * x; }
 inline bool is_polytope(const Core& core) {

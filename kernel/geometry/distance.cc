@@ -2,6 +2,7 @@
 #include "kernel/geometry/distance.h"
 
 #include <cmath>
+#include <limits>
 
 #include "kernel/geometry/middle.h"
 
@@ -181,6 +182,22 @@ Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeVie
   if (!has_distance(a.numbers.kind, b.numbers.kind)) return {};
   if (compare(a, at_a, b, at_b) <= 0) return calc_ordered(a, at_a, b, at_b);
   return mirror(calc_ordered(b, at_b, a, at_a));
+}
+
+PairMargins calc_pair_margins(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b,
+                              const Distance& d) noexcept {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr PairMargins kNone{{kUnknown, kUnknown, kUnknown}, {kUnknown, kUnknown, kUnknown}};
+  for (const ShapeKind kind : {a.numbers.kind, b.numbers.kind})
+    if (kind == ShapeKind::kHull || kind == ShapeKind::kHollow || kind == ShapeKind::kHalfSpace) return kNone;
+  const Vec3 origin = at_a.p_WB;
+  const Rounded core_a = build_core(a, place(a.numbers, at_a, origin)),
+                core_b = build_core(b, place(b.numbers, at_b, origin));
+  if (!(d.distance + (core_a.radius + core_b.radius) > 0)) return kNone;
+  const Vec3 nearest_a = (d.on_a - origin) - core_a.radius * d.normal,
+             nearest_b = (d.on_b - origin) + core_b.radius * d.normal;
+  const Margins on_a = calc_margins(core_a.core, nearest_b), on_b = calc_margins(core_b.core, nearest_a);
+  return on_a.known && on_b.known ? PairMargins{on_a.of, on_b.of} : kNone;
 }
 
 SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at_sphere, const ShapeView& other,

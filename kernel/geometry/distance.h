@@ -18,6 +18,15 @@ Distance calc_convex(const Rounded& a, const Rounded& b);
 // The wall of a frustum, or half of one (the part with local x ≥ 0): A, given by its solid.
 Distance calc_wall(const Core& solid, const Rounded& b);
 
+// Margins of both shapes at the witnesses of `d`, their distance: where one of them changes sign, the second derivative
+// of the distance jumps. Not a number where they are not known: of hulls, walls and half-spaces, and where more than
+// the radii overlap.
+struct PairMargins {
+  Vec3 on_a, on_b;  // m
+};
+PairMargins calc_pair_margins(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b,
+                              const Distance& d) noexcept;
+
 // --- A sphere and a convex shape or a half-space, with the derivative of the normal: what the second derivative of the
 // distance needs.
 //

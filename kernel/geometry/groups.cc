@@ -110,6 +110,23 @@ double calc_way(const Vec3& from_centre, const Mat3& from_R, const Vec3& to_cent
   return norm(to_centre - from_centre) + bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
 }
 
+Extent calc_extent(const ShapeGroup& group, const Placement& at) noexcept {
+  Extent out{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+  for (const CompiledShape& shape : get_parts(group)) {
+    if (!std::isfinite(shape.bound)) return {{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
+    const Box box = build_box(shape, at, {0, 0, 0});
+    const Mat3& R = box.R;
+    const auto calc_reach = [&](double x, double y, double z) {
+      return (std::fabs(x) * box.half.x + std::fabs(y) * box.half.y) + std::fabs(z) * box.half.z;
+    };
+    const Vec3 reach{calc_reach(R.x.x, R.y.x, R.z.x), calc_reach(R.x.y, R.y.y, R.z.y), calc_reach(R.x.z, R.y.z, R.z.z)};
+    const Vec3 least = box.c - reach, most = box.c + reach;
+    out.least = {std::min(out.least.x, least.x), std::min(out.least.y, least.y), std::min(out.least.z, least.z)};
+    out.most = {std::max(out.most.x, most.x), std::max(out.most.y, most.y), std::max(out.most.z, most.z)};
+  }
+  return out;
+}
+
 GroupPair::Seen GroupPair::calc_seen(const Placement& at_a, const Placement& at_b) const noexcept {
   const bool of_b = std::isfinite(b_.bound);
   const Placement &from = of_b ? at_a : at_b, &seen = of_b ? at_b : at_a;

@@ -100,6 +100,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   lay_out_split(plan, arena, ev.split);
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
   arena.take(ev.closed_pairs, plan.contact_pairs.size());
+  arena.take(ev.pair_features, plan.contact_pairs.size());
   lay_out_rigid(plan, arena, ev);
   arena.take(ev.guards, plan.events.size() + plan.contact_pairs.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
@@ -115,6 +116,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
     arena.take(*guards, events + plan.contact_pairs.size());
   for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
     arena.take(*rates, plan.contact_pairs.size());
+  arena.take(search.features_low, plan.contact_pairs.size());
   arena.take(search.places_low, static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));

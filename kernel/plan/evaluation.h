@@ -3,6 +3,7 @@
 // gives.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -116,6 +117,10 @@ struct ClosedPair {
   double depth, rate;  // m; its rate, m/s
 };
 
+// Margins of a closed pair (geometry::PairMargins), and of its law: at the change of a sign the forces have a corner.
+inline constexpr std::size_t kPairMargins = 6;
+using PairFeature = std::array<double, kPairMargins>;
+
 // What the friction of a closed pair of a rigid contact does.
 enum class RigidMode : std::int32_t {
   kSmooth,  // it has no friction
@@ -228,6 +233,9 @@ struct Evaluation {
   // computed by update_forces() for closed pairs, by update_open_pairs() for open ones
   std::span<double> pair_distances, pair_rates;  // of those that are on, m; m/s, of open ones alone, 0 far apart
 
+  // computed by update_guards(), of closed pairs of compliant contacts that are on; of others not a number
+  std::span<PairFeature> pair_features;
+
   // computed by solve_rigid_rows(), with the accelerations; per pair of shapes, if there are rigid contacts
   std::span<double> pair_forces;  // of closed pairs of rigid contacts, N
   // likewise, if some have friction: on the follower, N; ≥ 0 where it begins or ends to stick, N or m/s
@@ -298,7 +306,9 @@ struct EventSearch {
   std::span<double> tolerances;               // a guard within this of zero acts together with the located one
   std::span<double> rates_low, rates_high;    // per pair: Evaluation::pair_rates at both ends of the sub-step
   std::span<double> places_low;               // Evaluation::law_places at the start of the sub-step
+  std::span<PairFeature> features_low;        // Evaluation::pair_features at the start of the sub-step
   std::int32_t corners;                       // of laws at which this step has been split
+  std::int32_t features;                      // changes of features at which it has been split
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // of values, for the evaluation of one guard
   std::span<std::int64_t> rigid;              // per pair of shapes, if there are rigid contacts: what it did at this

@@ -232,7 +232,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   if (log != nullptr) log->clear();
   const double begin = plan.get_time(state.header->tick), end = plan.get_time(state.header->tick + 1);
   run.events().fired_count = run.events().audit_count = run.events().change_count = 0;
-  run.search().corners = 0;
+  run.search().corners = run.search().features = 0;
 
   // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);

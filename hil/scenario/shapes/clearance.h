@@ -90,6 +90,9 @@ class ClearanceMonitor {
   };
   // All of a watched pair.
   [[nodiscard]] const std::vector<ShapePair>& get_shape_pairs(std::size_t pair) const { return shape_pairs_[pair]; }
+  // Its shapes one by one, of either side, to which ShapePair refers; a mesh as its bounding sphere.
+  [[nodiscard]] const std::vector<geometry::ShapeGroup>& get_shapes_a(std::size_t pair) const { return sides_[pair].a; }
+  [[nodiscard]] const std::vector<geometry::ShapeGroup>& get_shapes_b(std::size_t pair) const { return sides_[pair].b; }
   // m, with the bodies at these placements; and a bound below it by bounding spheres, at most the distance.
   [[nodiscard]] double calc_distance(const ShapePair& shapes, const geometry::Placement& a,
                                      const geometry::Placement& b) const;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "kernel/cost/work.h"
+#include "kernel/events/limits.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/random_elements.h"
 #include "tests/support/random_model.h"
@@ -56,8 +57,8 @@ TEST(StepLimits, AClosedContactCutsAStepIntoItsPartsAndEachIsSearchedForTouches)
   model.contact_substeps = kAutomaticSubsteps;
   const StepLimits limits = calc_limits(model);
   EXPECT_EQ(limits.parts, kMaxAutomaticSubsteps);
-  EXPECT_EQ(limits.sub_steps, kMaxAutomaticSubsteps + 8);
-  EXPECT_EQ(limits.searches, 8 * 24 + limits.sub_steps * 9);
+  EXPECT_EQ(limits.sub_steps, kMaxAutomaticSubsteps + 8 + kMostFeatureSplits);
+  EXPECT_EQ(limits.searches, 8 * 24 + kMostFeatureSplits * kMostFeatureTries + limits.sub_steps * 9);
 }
 
 TEST(StepCost, ItGrowsWithEveryLimit) {

@@ -227,6 +227,35 @@ TEST(GeometryMotion, BoundsByBoxesAreBelowTheDistanceAndOftenNearIt) {
   EXPECT_NEAR(calc_lower_bound(ball, {{1.5, 0.3, 0}, kIdentity3}, strip, {}), 0.1, 1e-11);
 }
 
+TEST(GeometryMotion, TheExtentOfAGroupHoldsAllOfIt) {
+  constexpr std::uint64_t kSeed = 12;
+  constexpr double kRounding = 1e-12;  // m, at sizes of some metres
+  Random random(kSeed);
+  for (int i = 0; i < 2000; ++i) {
+    const int kind_a = random.below(7), kind_b = random.below(7);
+    const geometry::ShapeGroup group =
+        build_group("", std::vector<Shape>{draw_any(random, kind_a), draw_any(random, kind_b)});
+    const Placement at = draw_placement(random, 2);
+    const geometry::Extent extent = calc_extent(group, at);
+    const double ends[6] = {extent.most.x,  extent.most.y,  extent.most.z,
+                            extent.least.x, extent.least.y, extent.least.z};
+    for (int k = 0; k < 6; ++k) {
+      Vec3 out{0, 0, 0};
+      (k % 3 == 0 ? out.x : k % 3 == 1 ? out.y : out.z) = k < 3 ? 1 : -1;
+      const double end = ends[k] * (k < 3 ? 1 : -1);  // along `out`
+      const Shape beyond{.kind = ShapeKind::kHalfSpace, .from = end * out, .normal = -out};
+      const double apart = calc_distance(group, at, build_group("", std::vector<Shape>{beyond}), {}).least.distance;
+      ASSERT_GE(apart, -kRounding) << "seed " << kSeed << ": " << kind_a << " " << kind_b << " at " << i;
+    }
+  }
+  // Of a box along the axes it is the box; of what has no end it has none.
+  const std::vector<Shape> strip{{.kind = ShapeKind::kBox, .from = {1, 0, 0}, .size = {4, 0.2, 0.4}}};
+  EXPECT_EQ(calc_extent(build_group("", strip), {}).most.x, 3);
+  EXPECT_EQ(calc_extent(build_group("", strip), {}).least.z, -0.2);
+  const std::vector<Shape> space{{.kind = ShapeKind::kHalfSpace, .normal = {0, 0, 1}}};
+  EXPECT_TRUE(std::isinf(calc_extent(build_group("", space), {}).most.x));
+}
+
 TEST(GeometryMotion, SlabsBetweenBoxesAreBelowTheDistanceOverlapsIncluded) {
   constexpr std::uint64_t kSeed = 11;
   Random random(kSeed);

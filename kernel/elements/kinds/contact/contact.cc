@@ -4,9 +4,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/push.h"
+#include "kernel/geometry/distance.h"
 #include "kernel/geometry/groups.h"
 
 namespace unlatch {
@@ -253,6 +255,28 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
       ev.pair_rates[i] = calc_rate(distance, calc_velocity(base, follower, calc_middle(distance)));
     }
   }
+}
+
+PairFeature calc_pair_feature(const PlanData& plan, std::size_t pair, bool off, const Evaluation& ev) noexcept {
+  const ContactPair& own = plan.contact_pairs[pair];
+  const PlanContact& contact = plan.contacts[at(own.contact)];
+  PairFeature out;
+  out.fill(std::numeric_limits<double>::quiet_NaN());
+  if (off || contact.rigid) return out;
+  const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
+  const ClosedPair& closed = ev.closed_pairs[pair];
+  const Vec3 half = (0.5 * closed.depth) * closed.normal;
+  const geometry::PairMargins margins =
+      geometry::calc_pair_margins(get_shape(plan, a, own.base_shape), get_placement(get_body_frame(ev, a.body)),
+                                  get_shape(plan, b, own.follower_shape), get_placement(get_body_frame(ev, b.body)),
+                                  {-closed.depth, closed.point + half, closed.point - half, closed.normal});
+  out = {margins.on_a.x, margins.on_a.y, margins.on_a.z, margins.on_b.x, margins.on_b.y, margins.on_b.z};
+  // Likewise the law's corner where a pair parts so fast that it has no force any more. It stands in the last place of
+  // a shape that is round, which has two margins at most; where neither is, no margin is known.
+  const geometry::ShapeKind kind = get_numbers(plan, b, own.follower_shape).kind;
+  const bool is_round = kind == geometry::ShapeKind::kSphere || kind == geometry::ShapeKind::kCapsule;
+  out[is_round ? 5 : 2] = 1 + contact.damping * closed.rate;
+  return out;
 }
 
 std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept {

@@ -66,6 +66,9 @@ double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, 
 // those that cannot touch within a step and 0.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
+// Margins of a pair that is closed, by ev.closed_pairs; not a number if its contact is off or rigid.
+PairFeature calc_pair_feature(const PlanData& plan, std::size_t pair, bool off, const Evaluation& ev) noexcept;
+
 // A contact at any instant of a step, of which `ev` is the evaluation.
 ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept;
 

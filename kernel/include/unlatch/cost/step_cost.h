@@ -29,7 +29,7 @@ struct StepLimits {
   bool follows = false;        // it begins with the very state that the last step ended with, only commands are new
   std::int64_t parts = 1;      // of the step, while a contact is closed
   std::int64_t splits = 0;     // at events
-  std::int64_t sub_steps = 1;  // parts, and what splits and corners of laws add
+  std::int64_t sub_steps = 1;  // parts, and what splits, corners of laws and changes of features add
   std::int64_t searches = 0;   // integrations that locate events, touches and corners
   std::int64_t tries = 1;      // integrations: one for each sub-step, and those of searches
   std::int64_t rounds = 0;     // of events that act

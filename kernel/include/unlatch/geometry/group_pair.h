@@ -14,6 +14,13 @@ namespace unlatch::geometry {
 double calc_way(const Vec3& from_centre, const Mat3& from_R, const Vec3& to_centre, const Mat3& to_R,
                 double bound) noexcept;
 
+// The box about a group along the axes of W, m; infinite where the group is.
+struct Extent {
+  Vec3 least{0, 0, 0}, most{0, 0, 0};  // its corners
+};
+// That of a group whose body is at a place: the boxes about its shapes, so that rounding may cut off some 1e-16 of it.
+Extent calc_extent(const ShapeGroup& group, const Placement& at) noexcept;
+
 // Two groups whose least distance is asked for again and again while they move. Keeps a lower bound of each pair of
 // shapes; less the way since it was computed, it skips the pair, which changes no bit of a result. Not for two threads
 // at once.
