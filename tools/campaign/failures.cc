@@ -26,6 +26,12 @@ hil::Interval calc_bounds(std::int64_t failed, std::int64_t unresolved, std::int
   return {hil::calc_clopper_pearson(failed, count).low, hil::calc_clopper_pearson(failed + unresolved, count).high};
 }
 
+// The part of the resolved samples that failed; null without any.
+Json calc_estimate(std::int64_t failed, std::int64_t unresolved, std::int64_t count) {
+  return count > unresolved ? Json(static_cast<double>(failed) / static_cast<double>(count - unresolved))
+                            : Json(nullptr);
+}
+
 }  // namespace
 
 Json describe_any_failure(const CampaignData& data) {
@@ -43,8 +49,7 @@ Json describe_any_failure(const CampaignData& data) {
   }
   const auto count = static_cast<std::int64_t>(data.rows);
   Json json = {{"failed", failed}, {"unresolved", unresolved}};
-  json["estimate"] =
-      count > unresolved ? Json(static_cast<double>(failed) / static_cast<double>(count - unresolved)) : Json(nullptr);
+  json["estimate"] = calc_estimate(failed, unresolved, count);
   json["probability"] = to_json(calc_bounds(failed, unresolved, count));
   return json;
 }
@@ -73,6 +78,7 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   json["failed"] = failed;
   json["not_evaluated"] = unjudged;  // counted as failed
   json["unresolved"] = unresolved;   // neither met nor missed: the bounds hold whatever they are
+  json["estimate"] = calc_estimate(failed, unresolved, count);
   json["probability"] = to_json(calc_bounds(failed, unresolved, count));
   std::vector<double> values = data.read_column(data.find_column(id));
   for (std::size_t row = 0; row < values.size(); ++row)

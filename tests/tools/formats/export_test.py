@@ -224,6 +224,13 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.assertEqual(float(only[150]["received.gyro.x [rad/s]"]), float(rows[150]["received.gyro.x [rad/s]"]))
         shown = self.read_with_node(self.export("mcap"))
         self.assertIn("/received/gyro", json.dumps(shown))
+        self.assertEqual(shown["counts"]["/events"], len(exported))
+        parquet = self.read_with_node(self.export("parquet"))
+        self.assertEqual(parquet["events"], [row["events"] for row in rows if row["events"]])
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "report", self.log, "--out", page)
+        for name in ("fault.stick", "fault.bias.end", "fault.message.drop", "participant.joined"):
+            self.assertIn(name, page.read_text())
 
     def test_parquet_has_nothing_where_an_output_is_not_due(self):
         if NODE is None or not MODULES.exists():

@@ -39,7 +39,7 @@ async function readParquet(bytes) {
   const rows = await parquetReadObjects({ file: buffer });
   const units = JSON.parse(metadata.key_value_metadata.find((pair) => pair.key === 'units').value);
   const counts = Object.fromEntries(Object.keys(units).map((name) => [name, rows.filter((row) => row[name] != null).length]));
-  return { rows: rows.length, last: rows.at(-1), units, counts };
+  return { rows: rows.length, last: rows.at(-1), units, counts, events: rows.map((row) => row.events).filter((text) => text) };
 }
 
 const bytes = new Uint8Array(readFileSync(file));
