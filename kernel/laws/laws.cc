@@ -42,6 +42,20 @@ double calc_law(const Instant& now, std::span<const double> operands, std::span<
         *top = look_up(now, traces.exits, step.subject, top);
         ++top;
         break;
+      case Kind::kAdd:
+      case Kind::kSubtract:
+      case Kind::kMultiply:
+      case Kind::kDivide:
+      case Kind::kAtan2:
+        --top;
+        top[-1] = apply(step, top[-1], top[0]);
+        break;
+      case Kind::kMin:
+      case Kind::kMax:
+        --top;
+        traces.places[at(step.place)] = top[-1] - top[0];
+        top[-1] = apply(step, top[-1], top[0]);
+        break;
       case Kind::kIfLess:
         top -= 3;
         traces.places[at(step.place)] = top[-1] - top[0];
@@ -51,15 +65,12 @@ double calc_law(const Instant& now, std::span<const double> operands, std::span<
         else
           top[-1] = traces.branches[at(step.place)] != 0 ? top[1] : top[2];
         break;
+      case Kind::kAbs:
+        traces.places[at(step.place)] = top[-1];
+        top[-1] = apply(step, top[-1]);
+        break;
       default:
-        if (const LawOperands& needs = get_operands(step.kind); needs.takes == 2) {
-          --top;
-          if (needs.decides) traces.places[at(step.place)] = top[-1] - top[0];
-          top[-1] = apply(step, top[-1], top[0]);
-        } else {
-          if (needs.decides) traces.places[at(step.place)] = top[-1];
-          top[-1] = apply(step, top[-1]);
-        }
+        top[-1] = apply(step, top[-1]);
     }
   return rescale(own, now.inputs, stack[0]);
 }

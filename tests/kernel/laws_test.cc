@@ -432,7 +432,8 @@ TEST(Laws, OfABumpInTheMiddleOfAStepAreSplitAtItsEnds) {
   model.quantities.push_back(time);
   Simulation s(model, {.dt = 0.01});
   for (int i = 0; i < 60; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
-  // A corner is located to 1e-6 of a sub-step h; a stage at its end misses h/6 of what the slope of the force makes then.
+  // A corner is located to 1e-6 of a sub-step h; a stage at its end misses h/6 of what the slope of the force makes
+  // then.
   constexpr double kSubstep = 0.005, kSlope = 2 * kCurve * kHalf;
   EXPECT_NEAR(s.state.bodies[0].v.x, 4.0 / 3 * kCurve * kHalf * kHalf * kHalf / kMass,
               kSubstep / 6 * kSlope * 1e-6 * kSubstep / kMass);
@@ -743,6 +744,49 @@ TEST(Laws, HaveTheirBitsSideBySideToo) {
     }
   }
   EXPECT_TRUE(left);
+}
+
+// Members whose steps are split at points of their tables over time take these steps alone.
+TEST(Laws, TablesOverTimeHaveTheirBitsSideBySideToo) {
+  std::vector<Model> models;
+  for (int i = 0; i < 5; ++i) {
+    Model& model = models.emplace_back(build_pushed({constant(1)}));
+    Profile& profile = model.loads[0].profile = {};
+    profile.kind = Profile::Kind::kTable;
+    profile.times = {0, 0.0123 + 0.01 * i, 0.0321 + 0.01 * i};
+    profile.values = {1, 9, 2};
+  }
+  std::vector<std::unique_ptr<Simulation>> alone, beside;
+  std::vector<const Model*> all;
+  std::vector<const Plan*> plans;
+  for (const Model& model : models) {
+    alone.push_back(std::make_unique<Simulation>(model));
+    beside.push_back(std::make_unique<Simulation>(model));
+    all.push_back(&model);
+    plans.push_back(&beside.back()->plan);
+  }
+  std::optional<Bundle> bundle = Bundle::build(all, plans);
+  ASSERT_TRUE(bundle);
+  std::vector<BundleRun> runs(models.size());
+  int splits = 0;
+  for (int tick = 0; tick < 100; ++tick) {
+    for (std::size_t m = 0; m < runs.size(); ++m) {
+      runs[m].plan = &beside[m]->plan;
+      runs[m].inputs = {beside[m]->commands};
+      runs[m].state = &beside[m]->state;
+      runs[m].workspace = &beside[m]->workspace;
+    }
+    bundle->step(runs);
+    for (std::size_t m = 0; m < runs.size(); ++m) {
+      const StepReport report = alone[m]->advance();
+      ASSERT_EQ(report.status, StepStatus::kOk);
+      splits += report.substeps > 1 ? 1 : 0;
+      ASSERT_EQ(report.substeps, runs[m].report.substeps) << m << " " << tick;
+      ASSERT_EQ(alone[m]->state.bodies[0].p.x, beside[m]->state.bodies[0].p.x) << m << " " << tick;
+      ASSERT_EQ(alone[m]->state.bodies[0].v.x, beside[m]->state.bodies[0].v.x) << m << " " << tick;
+    }
+  }
+  EXPECT_EQ(splits, 10);
 }
 
 TEST(Laws, HaveTheSameBitsInEveryWidth) {
