@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernel/events/limits.h"
+#include "kernel/events/limits.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/reference_models.h"
@@ -286,8 +288,12 @@ TEST(Contact, AnUnlocatedTouchIsReportedOfTheContactWhateverPairsItHas) {
   thrust.name = "thrust";
   thrust.direction = {0, 0, -1};
   thrust.profile.kind = Profile::Kind::kTable;
-  thrust.profile.times = {0, 0.004, 0.00401, 0.03};
-  thrust.profile.values = {0, 0, 1e6, 1e6};
+  thrust.profile.times = {0};
+  for (int k = 1; k <= kMostCornerSplits; ++k)  // the step is split at these, and no more at the jump
+    thrust.profile.times.push_back(0.0004 * k);
+  thrust.profile.values.resize(thrust.profile.times.size());
+  thrust.profile.times.insert(thrust.profile.times.end(), {0.004, 0.00401, 0.03});
+  thrust.profile.values.insert(thrust.profile.values.end(), {0, 1e6, 1e6});
   model.loads.push_back(thrust);
   model.events.clear();
   const PlanOptions options{.dt = 0.01};

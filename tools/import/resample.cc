@@ -356,9 +356,9 @@ Resampled resample(const std::string& text, const ResampleRequest& request) {
     compare_table(points, request, own, c, Table::Interpolation::kSmooth, column.smooth);
   }
   result.csv = write_csv(request, points, values, result);
-  if (result.csv.size() > hil::kMaxScenarioBytes)
-    throw ImportError("the table has " + count(result.csv.size(), "byte") + ", and a scenario with its files at most " +
-                      std::to_string(hil::kMaxScenarioBytes) + "; fewer knots");
+  if (result.csv.size() > hil::kMaxTableBytes)
+    throw ImportError("the table has " + count(result.csv.size(), "byte") + ", and the tables of a scenario at most " +
+                      std::to_string(hil::kMaxTableBytes) + "; fewer knots");
   return result;
 }
 

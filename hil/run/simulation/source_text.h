@@ -28,7 +28,7 @@ class SourceText {
   [[nodiscard]] std::vector<std::string> split() const;
 
  private:
-  static constexpr std::int32_t kMaxParts = 1024;  // 2 MiB: a scenario has at most 1 MiB
+  static constexpr std::int32_t kMaxParts = 9216;  // 18 MiB: a scenario has at most 1 MiB, and 16 MiB of tables
   std::int64_t session_ = 0;
   std::vector<std::string> parts_;
   std::vector<bool> received_;

@@ -86,6 +86,10 @@ const std::string& ScenarioSources::read(const std::string& name) {
   return read(name, {"scenario", kMaxBytes, [](const std::string& text) { return text; }});
 }
 
+const std::string& ScenarioSources::read_table(const std::string& name) {
+  return read(name, {"table", kMaxTableBytes, [](const std::string& text) { return text; }, true});
+}
+
 const std::string& ScenarioSources::read(const std::string& name, const ConvertedFile& as) {
   if (order_.size() >= kMaxFiles) throw std::runtime_error("more than 64 files");
   auto found = texts_.find(name);
@@ -104,8 +108,11 @@ const std::string& ScenarioSources::read(const std::string& name, const Converte
   }
   if (std::find(order_.begin(), order_.end(), name) != order_.end()) return found->second;
   order_.push_back(name);
-  bytes_ += found->second.size();
-  if (bytes_ > kMaxBytes) throw std::runtime_error("scenario and included files have more than 1 MiB");
+  std::size_t& bytes = as.table ? table_bytes_ : bytes_;
+  bytes += found->second.size();
+  if (as.table && bytes > kMaxTableBytes)
+    throw std::runtime_error("the files of tables together have more than 16 MiB");
+  if (!as.table && bytes > kMaxBytes) throw std::runtime_error("scenario and included files have more than 1 MiB");
   return found->second;
 }
 

@@ -12,6 +12,8 @@ namespace unlatch::hil {
 // Returns true for "-" and "/dev/stdin": standard input.
 bool is_standard_input(const std::string& path);
 inline constexpr std::size_t kMaxScenarioBytes = 1u << 20;
+// Of the files of its tables, all together: a table of 100,000 entries over three axes has some three million bytes.
+inline constexpr std::size_t kMaxTableBytes = 16u << 20;
 // Reads a regular file, or an open descriptor, of at most `most` bytes; `kind`: the expected kind of file, for
 // messages. Throws ScenarioError.
 std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most = kMaxScenarioBytes);
@@ -21,6 +23,7 @@ struct ConvertedFile {
   std::string kind;                                              // for messages
   std::size_t most = 0;                                          // bytes
   std::function<std::string(const std::string& bytes)> convert;  // may throw std::runtime_error
+  bool table = false;  // counts towards kMaxTableBytes, not towards the scenario's bytes
 };
 
 class ScenarioSources {
@@ -31,8 +34,10 @@ class ScenarioSources {
   const std::string& main() const { return main_; }
   // Text of an included file, or of a file of modes, by its path from the scenario's folder. Throws std::runtime_error
   // if there is none, if it lies outside that folder (symbolic links followed), or if the texts together have more than
-  // 1 MiB.
+  // kMaxScenarioBytes.
   const std::string& read(const std::string& name);
+  // Text of a file of tables; all of them together have at most kMaxTableBytes.
+  const std::string& read_table(const std::string& name);
   // Text that is made from a file.
   const std::string& read(const std::string& name, const ConvertedFile& as);
   // Main text with all texts that were read.
@@ -43,7 +48,7 @@ class ScenarioSources {
   bool joined_ = false;                       // the text contains its included files
   std::map<std::string, std::string> texts_;  // included texts, by name
   std::vector<std::string> order_;            // names, in the order of reading
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0, table_bytes_ = 0;
 };
 
 // Path, from the scenario's folder, of a file that `from` (a path from that folder) includes as `name`. Throws

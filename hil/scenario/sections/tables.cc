@@ -88,7 +88,7 @@ void ScenarioReader::read_table_file(YamlMap& map, const YamlNode& file, Table& 
   const std::string name = read_text(file, mistakes_);
   try {
     const std::string path = resolve_include("", name);
-    const std::string& text = sources_.read(path);
+    const std::string& text = sources_.read_table(path);
     const auto add = [&](int line, int at, const std::string& what, const std::string& mend) {
       SourceMark mark;
       mark.line = line;

@@ -184,6 +184,25 @@ TEST(TablesFromFiles, HaveTheKnotsValuesAndUnitsOfTheirColumns) {
   EXPECT_EQ(again.model.tables[0].values, table.values);
 }
 
+TEST(TablesFromFiles, OfAHundredThousandEntriesAreReadAndRecorded) {
+  std::string csv = "mach, alpha [deg], beta [deg], force [kN]\n";
+  for (int m = 0; m < 50; ++m)
+    for (int a = 0; a < 50; ++a)
+      for (int b = 0; b < 40; ++b)
+        csv += std::to_string(0.125 * m) + "," + std::to_string(a) + "," + std::to_string(b) + "," +
+               std::to_string(m + a * b) + "\n";
+  ASSERT_GT(csv.size(), 2u << 20);
+  const std::string axes = "file: t.csv, axes: {mach: {}, alpha: {}, beta: {}}";
+  const Folder folder(csv, axes);
+  const hil::Scenario scenario = folder.load();
+  ASSERT_EQ(scenario.model.tables[0].values.size(), 100000u);
+  EXPECT_EQ(scenario.model.tables[0].values.back(), 1e3 * (49 + 49 * 39));
+  const hil::Scenario again = hil::load_scenario_text(scenario.text, "again.yaml");
+  EXPECT_EQ(again.model.tables[0].values, scenario.model.tables[0].values);
+  const Folder larger(csv + std::string(16u << 20, '\n'), axes);
+  EXPECT_THAT(larger.list_mistakes(), HasSubstr("a table has at most 16 MiB"));
+}
+
 TEST(TablesFromFiles, MistakesNameTheLineAndTheColumn) {
   const auto expect = [](const std::string& csv, const std::string& part, const std::string& table = "file: t.csv") {
     const std::string mistakes = Folder(csv, table).list_mistakes();
