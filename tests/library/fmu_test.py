@@ -47,7 +47,7 @@ step: {dt: 5 ms, until: 2 s}
 bodies:
   lid: {mass: 4 kg, inertia: [1, 1, 1]}
 elements:
-  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], values: [0, 0, 8 kN, 0, 0]}}}
+  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0012, 1.0013, 1.0014, 1.0015, 1.0016, 1.0017, 1.0018, 1.0019, 1.002, 1.0021, 2], values: [0, 0, 1.6 kN, 3.2 kN, 4.8 kN, 6.4 kN, 8 kN, 6.4 kN, 4.8 kN, 3.2 kN, 1.6 kN, 0, 0]}}}
 """
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 SEQUENCE = {100: ("throttle", 0.84), 250: ("verniers", 0), 300: ("rudder", 0), 450: ("cut_ties", 1), 500: ("cutoff", 1)}

@@ -54,8 +54,8 @@ class PythonTest(ProcessTest):
 
     def test_findings_are_those_of_check_and_those_of_the_steps(self):
         text = ("unlatch: 1\nname: pulse\nstep: {dt: 5 ms, until: 2 s}\nbodies:\n  lid: {mass: 4 kg, inertia: [1, 1, 1]}\nelements:\n"
-                "  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], "
-                "values: [0, 0, 8 kN, 0, 0]}}}\n  spring: {type: spring, between: [ground, lid], stiffness: 1 N/m, free_length: 1}\n")
+                "  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0012, 1.0013, 1.0014, 1.0015, 1.0016, 1.0017, 1.0018, 1.0019, 1.002, 1.0021, 2], "
+                "values: [0, 0, 1.6 kN, 3.2 kN, 4.8 kN, 6.4 kN, 8 kN, 6.4 kN, 4.8 kN, 3.2 kN, 1.6 kN, 0, 0]}}}\n  spring: {type: spring, between: [ground, lid], stiffness: 1 N/m, free_length: 1}\n")
         with unlatch.load_text(text, notice=True) as sim:
             self.assertIn(("direction", "element 'spring'", False), [(f.name, f.subject, f.of_run) for f in sim.findings])
             sim.run()
@@ -175,7 +175,7 @@ class PythonTest(ProcessTest):
             self.assertIn("samples.csv", str(error))
         else:
             np.testing.assert_array_equal(parquet["distance1"], table["distance1"])
-        for path, why in ((self.folder, "no folder of a campaign"), (self.folder / "none.csv", "cannot be read")):
+        for path, why in ((self.folder, "no folder of a campaign"), (self.folder / "none.csv", "there is no such file")):
             with self.assertRaisesRegex(unlatch.FileError, why):
                 unlatch.read_table(path)
         wrong = self.folder / "wrong.csv"

@@ -315,14 +315,14 @@ TEST(CLibrary, JudgesAsARunDoes) {
   for (std::size_t i = 0; i < clearances.size(); ++i) EXPECT_EQ(clearances[i], analysis.clearances()[i].now);
 }
 
-// An impulse of 4 N s within a millisecond, at a step of 5 ms; a spring whose two points coincide.
+// An impulse of 4 N s within a millisecond, by more points than a step of 5 ms is split at; a spring whose two points coincide.
 constexpr const char* kUnresolved = R"(unlatch: 1
 name: pulse
 step: {dt: 5 ms, until: 2 s}
 bodies:
   lid: {mass: 4 kg, inertia: [1, 1, 1]}
 elements:
-  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], values: [0, 0, 8 kN, 0, 0]}}}
+  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0012, 1.0013, 1.0014, 1.0015, 1.0016, 1.0017, 1.0018, 1.0019, 1.002, 1.0021, 2], values: [0, 0, 1.6 kN, 3.2 kN, 4.8 kN, 6.4 kN, 8 kN, 6.4 kN, 4.8 kN, 3.2 kN, 1.6 kN, 0, 0]}}}
   spring: {type: spring, between: [ground, lid], stiffness: 1 N/m, free_length: 1}
 )";
 

@@ -74,6 +74,8 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
   contact.damping = map.number("damping", "s/m", 0.0);
   read_restitution(map, contact);
   contact.friction = map.number("friction", "", 0.0);
+  if (const YamlNode* slip = map.find("slip_speed"); slip && contact.rigid)
+    mistakes_.add(slip->mark, "a rigid contact has no `slip_speed`: it sticks", "leave it out");
   contact.slip_speed = map.number("slip_speed", "m/s", contact.slip_speed);
   contact.on = map.boolean("enabled", true);
   map.finish();

@@ -101,6 +101,8 @@ TEST(RigidContacts, MistakesSayWhatWouldBeRight) {
   EXPECT_NE(mistakes("stiffness: 1 MN/m, restitution: 0.5").find("{coefficient: 0.5"), std::string::npos);
   EXPECT_NE(mistakes("stiffness: 1 MN/m, settle: 1 ms").find("settle"), std::string::npos);
   EXPECT_EQ(mistakes("rigid: true, friction: 0.2"), "");
+  EXPECT_NE(mistakes("rigid: true, friction: 0.2, slip_speed: 1 mm/s").find("no `slip_speed`"), std::string::npos);
+  EXPECT_EQ(mistakes("stiffness: 1 MN/m, friction: 0.2, slip_speed: 1 mm/s"), "");
   const std::string rough = mistakes("rigid: true, friction: -0.2");
   EXPECT_NE(rough.find("friction"), std::string::npos) << rough;
   EXPECT_NE(rough.find("s.yaml:9:"), std::string::npos) << rough;

@@ -32,7 +32,10 @@ events:
 
 // Iterations converge slowly to a jump: half of them are attracted by the flat part beside it.
 TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
-  const AnalysedRun run(build_ignition("[0, 4 ms, 4.01 ms, 30 ms]", "[0.5, 0.999, 20 kN, 22 kN]", "2 N"));
+  // The step is split at the first eight points, and no more at the jump.
+  const AnalysedRun run(
+      build_ignition("[0, 0.4 ms, 0.8 ms, 1.2 ms, 1.6 ms, 2 ms, 2.4 ms, 2.8 ms, 3.2 ms, 4 ms, 4.01 ms, 30 ms]",
+                     "[0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.999, 20 kN, 22 kN]", "2 N"));
   EXPECT_EQ(run.analysis.search.unlocated, 1);
   EXPECT_EQ(run.analysis.search.postponed, 0);
   const std::vector<hil::RunNotice> notices = list_notices(run);

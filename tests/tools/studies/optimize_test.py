@@ -390,7 +390,8 @@ class OptimizeTest(ProcessTest):
 
     # The block's profile has a pulse that the step does not see: no run has a verdict, so none is denied either.
     def test_runs_that_the_step_does_not_resolve_are_unresolved_and_not_infeasible(self):
-        pulse = "  pz: {type: force, body: block, direction: [0, 0, 1], profile: {table: {times: [0, 0.5011, 0.5016, 0.5021, 1], values: [0, 0, 8 kN, 0, 0]}}}\n"
+        pulse = ("  pz: {type: force, body: block, direction: [0, 0, 1], profile: {table: {"
+                 "times: [0, 0.5011, 0.5012, 0.5013, 0.5014, 0.5015, 0.5016, 0.5017, 0.5018, 0.5019, 0.502, 0.5021, 1], values: [0, 0, 1.6 kN, 3.2 kN, 4.8 kN, 6.4 kN, 8 kN, 6.4 kN, 4.8 kN, 3.2 kN, 1.6 kN, 0, 0]}}}\n")
         (self.folder / "s.yaml").write_text(SCENARIO.replace("requirements:", pulse + "requirements:"))
         process = self.start(CATALOGUE, "o")
         printed, errors = process.communicate(timeout=250)

@@ -16,7 +16,8 @@ double calc_way(const Vec3& from_centre, const Mat3& from_R, const Vec3& to_cent
 
 // The box about a group along the axes of W, m; infinite where the group is.
 struct Extent {
-  Vec3 least{0, 0, 0}, most{0, 0, 0};  // its corners
+  Vec3 least{0, 0, 0};  // corner of the least coordinates, m
+  Vec3 most{0, 0, 0};   // corner of the greatest, m
 };
 // That of a group whose body is at a place: the boxes about its shapes, so that rounding may cut off some 1e-16 of it.
 Extent calc_extent(const ShapeGroup& group, const Placement& at) noexcept;
