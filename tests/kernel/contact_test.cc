@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "kernel/events/limits.h"
-#include "kernel/events/limits.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/reference_models.h"

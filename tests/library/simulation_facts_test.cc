@@ -315,7 +315,8 @@ TEST(CLibrary, JudgesAsARunDoes) {
   for (std::size_t i = 0; i < clearances.size(); ++i) EXPECT_EQ(clearances[i], analysis.clearances()[i].now);
 }
 
-// An impulse of 4 N s within a millisecond, by more points than a step of 5 ms is split at; a spring whose two points coincide.
+// An impulse of 4 N s within a millisecond, by more points than a step of 5 ms is split at; a spring whose two points
+// coincide.
 constexpr const char* kUnresolved = R"(unlatch: 1
 name: pulse
 step: {dt: 5 ms, until: 2 s}
