@@ -191,7 +191,7 @@ TEST(TablesFromFiles, OfAHundredThousandEntriesAreReadAndRecorded) {
       for (int b = 0; b < 40; ++b)
         csv += std::to_string(0.125 * m) + "," + std::to_string(a) + "," + std::to_string(b) + "," +
                std::to_string(m + a * b) + "\n";
-  ASSERT_GT(csv.size(), 2u << 20);
+  ASSERT_GT(csv.size(), 1u << 20);  // more than a scenario without tables may have
   const std::string axes = "file: t.csv, axes: {mach: {}, alpha: {}, beta: {}}";
   const Folder folder(csv, axes);
   const hil::Scenario scenario = folder.load();
