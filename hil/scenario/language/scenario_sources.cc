@@ -62,8 +62,8 @@ std::string read_text_file(const std::string& path, const std::string& kind, std
   if (text.size() > most) {
     const auto size = fs::file_size(source, error);
     const std::string limit = std::to_string(most >> 20) + " MiB";
-    return fail(error ? "it has more than " + limit : "it has " + count(size, "byte"),
-                "a " + kind + " has at most " + limit + " (" + std::to_string(most) + " bytes)");
+    return fail("it has " + (error ? "" : count(size, "byte") + ", ") + "more than " + limit,
+                "a " + kind + " file has at most " + std::to_string(most) + " bytes");
   }
   return text;
 }

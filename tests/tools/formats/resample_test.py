@@ -139,7 +139,8 @@ quantities: {c: {expression: "axial(1.1, 0 deg)"}}
                            (("--axis", "mach=0:1:1.5"), "whole number"), (("--axis", "mach=0,one"), "'one' is not a number"), (("--axis", "mach=0,1", "--axis", "mach=0,1"), "stands twice")):
             self.assertIn(said, self.resample(text, axes=axes, code=2).stderr)
         self.assertIn("at least 4", self.resample(text, "--neighbours", "3", code=2).stderr)
-        self.assertIn("fewer knots", self.resample(text, axes=("--axis", "mach=0.5:2:300", "--axis", "alpha=-10:10:300"), code=2).stderr)
+        for knots, said in ((3000, "the grid has more than 4194304 entries; fewer knots"), (700, "and the tables of a scenario at most 16777216; fewer knots")):
+            self.assertIn(said, self.resample(text, axes=("--axis", f"mach=0.5:2:{knots}", "--axis", f"alpha=-10:10:{knots}"), code=2).stderr)
         self.run_ok(UNLATCH, "resample", self.folder / "none.csv", *self.AXES, "--out", "-", code=2)
 
     def test_an_existing_file_stays(self):

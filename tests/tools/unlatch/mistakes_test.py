@@ -133,7 +133,7 @@ class MistakesTest(ProcessTest):
         self.assertIn("there is no such file", self.refuse("check", self.folder / "none.yaml"))
         self.assertIn("there is nothing in it", self.refuse("check", self.write("empty.yaml", "# nothing\n")))
         large = self.write("large.yaml", "#" * 1_580_000)
-        self.assertIn("it has 1580000 bytes; a scenario has at most 1 MiB", self.refuse("check", large))
+        self.assertIn("it has 1580000 bytes, more than 1 MiB; a scenario file has at most 1048576 bytes", self.refuse("check", large))
         tab = self.write("tab.yaml", "unlatch: 1\nstep:\n\tdt: 1 ms\n")
         self.assertIn("tab.yaml:3:1: a tab in the indentation; indent with spaces", self.refuse("check", tab))
 
