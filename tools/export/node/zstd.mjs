@@ -7,7 +7,7 @@ const LEVEL = 3;  // Zstandard's own default
 
 // A function from bytes to compressed bytes.
 export async function loadZstd() {
-  const zstd = await factory({ wasmBinary: wasm });
+  const zstd = await factory({ wasmBinary: Buffer.from(wasm, 'base64') });
   return (bytes) => {
     const room = zstd._compressBound(bytes.length);
     const from = zstd._malloc(bytes.length), to = zstd._malloc(room);
