@@ -82,9 +82,9 @@ int open_or_throw(const UartOptions& options) {
 SerialLine::SerialLine(const UartOptions& options, Events events)
     : options_(options),
       events_(std::move(events)),
-      wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      wake_event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       file_(open_or_throw(options)) {
-  if (wake_.get() < 0) {
+  if (wake_event_.get() < 0) {
     close(file_);
     throw_port_error("UART", "opening an eventfd");
   }
@@ -96,8 +96,7 @@ SerialLine::~SerialLine() {
   for (const auto end = Clock::now() + kLinger; count_waiting() > 0 && Clock::now() < end;)
     std::this_thread::sleep_for(1ms);
   stopping_ = true;
-  const std::uint64_t one = 1;
-  (void)!::write(wake_.get(), &one, sizeof one);
+  wake();
   thread_.join();
   if (file_ >= 0) close(file_);
 }
@@ -108,9 +107,13 @@ bool SerialLine::write(std::span<const std::uint8_t> bytes) {
     if (waiting_.size() + bytes.size() > kMostWaiting) return false;
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   }
-  const std::uint64_t one = 1;
-  (void)!::write(wake_.get(), &one, sizeof one);
+  wake();
   return true;
+}
+
+void SerialLine::wake() {
+  const std::uint64_t one = 1;
+  (void)!::write(wake_event_.get(), &one, sizeof one);
 }
 
 std::size_t SerialLine::count_waiting() const {
@@ -127,16 +130,18 @@ void SerialLine::run() {
   Clock::time_point next_idle = Clock::now() + kIdlePeriod;
   while (!stopping_) {
     const Clock::time_point now = Clock::now();
-    const bool waits = count_waiting() > 0, may_write = waits && free_at_ <= now + kAhead;
+    const bool is_free = free_at_ <= now + kAhead;
+    if (is_free && count_waiting() == 0) events_.free();
+    const bool may_write = is_free && count_waiting() > 0;
     Clock::time_point until = next_idle;
     if (!is_silent_) until = std::min(until, heard_ + kSilence);
-    if (waits && !may_write) until = std::min(until, free_at_ - kAhead / 2);
+    if (!is_free) until = std::min(until, free_at_ - kAhead / 2);
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(std::max(until - now, Clock::duration::zero()));
     std::array<pollfd, 2> events{
-        {{file_, static_cast<short>(POLLIN | (may_write ? POLLOUT : 0)), 0}, {wake_.get(), POLLIN, 0}}};
+        {{file_, static_cast<short>(POLLIN | (may_write ? POLLOUT : 0)), 0}, {wake_event_.get(), POLLIN, 0}}};
     if (poll(events.data(), events.size(), static_cast<int>(left.count())) < 0 && errno != EINTR) return;
     std::uint64_t woken = 0;
-    if (events[1].revents != 0) (void)!::read(wake_.get(), &woken, sizeof woken);
+    if (events[1].revents != 0) (void)!::read(wake_event_.get(), &woken, sizeof woken);
     if (file_ < 0 || (events[0].revents & (POLLERR | POLLHUP | POLLNVAL)) != 0)
       reopen();
     else if ((events[0].revents & POLLIN) != 0)

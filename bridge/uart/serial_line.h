@@ -21,6 +21,7 @@ class SerialLine {
  public:
   struct Events {
     std::function<void(std::span<const std::uint8_t>)> read;
+    std::function<void()> free;    // nothing waits to be sent: what gives way to all else may be written now
     std::function<void()> silent;  // nothing has come for some time
     std::function<void()> idle;    // once in each period, whatever comes
   };
@@ -34,6 +35,8 @@ class SerialLine {
 
   // From any thread. False if so much waits already that this finds no place.
   bool write(std::span<const std::uint8_t> bytes);
+  // Lets the thread look whether it is `free`. From any thread.
+  void wake();
   // Bytes that have not left yet.
   [[nodiscard]] std::size_t count_waiting() const;
 
@@ -48,7 +51,7 @@ class SerialLine {
 
   const UartOptions options_;
   const Events events_;
-  const Descriptor wake_;
+  const Descriptor wake_event_;
   int file_;
   std::atomic<bool> stopping_{false};
   mutable std::mutex mutex_;

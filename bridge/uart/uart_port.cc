@@ -5,8 +5,12 @@
 #include <charconv>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "bridge/core/message_ring.h"
 #include "bridge/core/port.h"
@@ -21,6 +25,29 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kRingBytes = std::size_t{1} << 22;
 constexpr std::chrono::seconds kForgetAfter(3);  // without a frame of the other end
 
+constexpr std::chrono::seconds kFarewell(1);  // for descriptions, when the port is closed
+
+// A message that describes the session, encoded.
+struct Description {
+  MessageKind kind;
+  std::int64_t part;  // of several of its kind
+  std::vector<std::uint8_t> payload;
+};
+
+// Empty for all messages but those that describe the session.
+std::optional<std::int64_t> find_part(const Message& message) {
+  switch (message.kind) {
+    case MessageKind::kHello:
+      return 0;
+    case MessageKind::kCatalog:
+      return (std::int64_t{message.catalog.kind} << 32) + message.catalog.index;
+    case MessageKind::kSource:
+      return message.source.part;
+    default:
+      return std::nullopt;
+  }
+}
+
 class UartPort final : public Port {
  public:
   UartPort(Role role, const UartOptions& options)
@@ -30,9 +57,14 @@ class UartPort final : public Port {
         ring_(kRingBytes),
         reader_([this](const UdpPacket& packet) { accept(packet); }),
         line_(options, {.read = [this](auto bytes) { read(bytes); },
+                        .free = [this] { send_description(); },
                         .silent = [this] { reader_.give_up(), note_gaps(); },
                         .idle = [this] { look_after(); }}) {
     look_after();
+  }
+  ~UartPort() override {
+    for (const auto end = Clock::now() + kFarewell; count_descriptions() > 0 && Clock::now() < end;)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
  private:
@@ -42,6 +74,7 @@ class UartPort final : public Port {
     const std::scoped_lock lock(mutex_);
     if (role_ == Role::kSimulator && (!is_joined_ || !receives(other_, message.kind))) return true;
     const std::span<const std::uint8_t> payload(frame_.data() + kUdpHeaderBytes, length);
+    if (const auto part = find_part(message)) return describe({message.kind, *part, {payload.begin(), payload.end()}});
     const bool waits = line_.count_waiting() > 0;
     // In lockstep a State is repeated until it is answered: on a slow line it is still on its way.
     if (waits && message.kind == MessageKind::kState && std::ranges::equal(payload, latest_state_)) return true;
@@ -49,6 +82,24 @@ class UartPort final : public Port {
     if (!line_.write(std::span(frame_).first(bytes))) return false;
     if (message.kind == MessageKind::kState) latest_state_.assign(payload.begin(), payload.end());
     return true;
+  }
+
+  // Descriptions come again and again, faster than a slow line carries them: of each the latest waits, until nothing
+  // else does, so that a State stays behind one of them at most.
+  bool describe(Description&& description) {
+    const auto same = std::ranges::find_if(descriptions_, [&](const Description& other) {
+      return other.kind == description.kind && other.part == description.part;
+    });
+    if (same != descriptions_.end())
+      *same = std::move(description);
+    else
+      descriptions_.push_back(std::move(description));
+    line_.wake();
+    return true;
+  }
+  std::size_t count_descriptions() {
+    const std::scoped_lock lock(mutex_);
+    return is_joined_ ? descriptions_.size() : 0;
   }
 
   Received receive(Message& message, std::chrono::nanoseconds wait) override {
@@ -67,6 +118,19 @@ class UartPort final : public Port {
   void read(std::span<const std::uint8_t> bytes) {
     reader_.push(bytes);
     note_gaps();
+  }
+  void send_description() {
+    const std::scoped_lock lock(mutex_);
+    if (descriptions_.empty()) return;
+    if (is_joined_) {
+      const Description& next = descriptions_.front();
+      std::array<std::uint8_t, kMaxUdpBytes> frame{};
+      std::ranges::copy(next.payload, frame.begin() + kUdpHeaderBytes);
+      const std::size_t bytes =
+          seal_udp_message({.run = run_, .sequence = sent_++}, next.kind, frame, next.payload.size());
+      (void)line_.write(std::span(frame).first(bytes));
+    }
+    descriptions_.pop_front();
   }
   void note_gaps() { gaps_.store(reader_.get_gaps(), std::memory_order_relaxed); }
 
@@ -113,6 +177,7 @@ class UartPort final : public Port {
   std::vector<std::uint8_t> latest_state_;          // likewise
   std::mutex mutex_;
   std::uint32_t sent_ = 0;
+  std::deque<Description> descriptions_;
   bool is_joined_ = false;
   Role other_ = Role::kObserver;
   std::atomic<std::int64_t> malformed_{0}, lost_{0}, gaps_{0};
