@@ -69,7 +69,8 @@ LawCourse get_course(const Run& run) {
 // then the evaluation is again that of the end, to the bit, with its readings. True if the motion has a corner there.
 bool log_end(Run& run, double begin, double now, Readings readings) {
   if (run.log == nullptr) return false;
-  const CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
+  CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
+  marks.at_end = marks.at_end || is_at_burnt_knot(run.plan, run.ev());
   if (marks.at_begin) run.log->mark_corner();
   if (marks.jumps) {
     hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
@@ -119,7 +120,7 @@ ContactParts choose_parts(const Run& run, double now) {
   return run.plan.contacts.empty() ? ContactParts{} : choose_contact_parts(run.plan, run.state(), now, run.ev());
 }
 
-// The end of the sub-step from `now`: the first point of a table over time, unless the step has been split at as many
+// The end of the sub-step from `now`: the first corner whose time is known, unless the step has been split at as many
 // corners as it may be, which is reported; else `target`.
 [[gnu::noinline]] double calc_time_corner(Run& run, double now, double target) {
   const double corner = find_time_corner(run.plan, run.state(), now, target);
@@ -140,7 +141,7 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
   const double planned = reaches_due && due < end - slack ? due : end;
-  const double target = may_split && !run.plan.knots.empty() ? calc_time_corner(run, now, planned) : planned;
+  const double target = may_split && run.plan.time_corners ? calc_time_corner(run, now, planned) : planned;
   const Reached reached =
       advance_to_event(run, now, target, parts.implicit ? Contacts::kImplicit : Contacts::kExplicit, may_split);
   if (reached.time == kFailed) return step_end;
