@@ -70,7 +70,7 @@ LawCourse get_course(const Run& run) {
 bool log_end(Run& run, double begin, double now, Readings readings) {
   if (run.log == nullptr) return false;
   CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
-  marks.at_end = marks.at_end || is_at_burnt_knot(run.plan, run.ev());
+  if (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev())) marks.at_end = true;
   if (marks.at_begin) run.log->mark_corner();
   if (marks.jumps) {
     hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
