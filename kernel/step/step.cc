@@ -69,8 +69,8 @@ LawCourse get_course(const Run& run) {
 // then the evaluation is again that of the end, to the bit, with its readings. True if the motion has a corner there.
 bool log_end(Run& run, double begin, double now, Readings readings) {
   if (run.log == nullptr) return false;
-  CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
-  if (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev())) marks.at_end = true;
+  const CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
+  const bool ends_piece = marks.at_end || (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev()));
   if (marks.at_begin) run.log->mark_corner();
   if (marks.jumps) {
     hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
@@ -79,8 +79,8 @@ bool log_end(Run& run, double begin, double now, Readings readings) {
     (void)evaluate(before, Changed::kCommands, run.ev());  // the factor is that of the end
   }
   log_motion(run, now, false, marks.jumps ? Readings::kStale : readings);
-  if (marks.at_end) run.log->mark_corner();
-  if (!marks.jumps) return marks.at_end;
+  if (ends_piece) run.log->mark_corner();
+  if (!marks.jumps) return ends_piece;
   (void)evaluate(run.get_instant(now), Changed::kCommands, run.ev());
   update_readings(run.get_instant(now), run.ev());
   return true;
