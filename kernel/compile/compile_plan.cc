@@ -182,6 +182,19 @@ std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
   return compile_compliance(model, stiff, plan);
 }
 
+bool has_masses(const PlanDraft& plan, bool by_burnt) {
+  return std::any_of(plan.varying.begin(), plan.varying.end(),
+                     [&](const PlanVarying& mass) { return mass.by_burnt == by_burnt; });
+}
+// Corners whose time is known: points of tables over time, knots of masses, ends of ramps.
+bool has_time_corners(const Model& model, const PlanDraft& plan) {
+  const auto ramps = [](const Event& event) {
+    return std::any_of(event.then.begin(), event.then.end(),
+                       [](const Action& action) { return action.kind == Action::Kind::kRamp; });
+  };
+  return !plan.knots.empty() || has_masses(plan, false) || std::any_of(model.events.begin(), model.events.end(), ramps);
+}
+
 // Second phase: bodies, joints, elements, events and sensors, by number. What a part needs of another is an argument.
 void compile_parts(const Model& model, PlanDraft& plan) {
   const DraftWithBodies bodies = compile_bodies(model, plan.nodes, plan);
@@ -200,6 +213,8 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   plan.air_knots = std::move(environment.air);
   plan.wind_knots = std::move(environment.wind);
   plan.plain = plan.rigid && !plan.environment.exists;
+  plan.time_corners = has_time_corners(model, plan);
+  plan.sought_corners = !plan.laws.corners.empty() || has_masses(plan, true) || !plan.contacts.empty();
   plan.contact_substeps = model.contact_substeps;
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());

@@ -249,9 +249,11 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
       recurring ? plan.options.max_splits : std::min<std::int64_t>(plan.options.max_splits, events.instants);
   const bool jumps = std::any_of(plan.laws.corners.begin(), plan.laws.corners.end(),
                                  [](const PlanCorner& corner) { return corner.jumps; });
-  const std::int64_t corners = plan.laws.corners.empty() ? 0 : kMostCornerSplits;
+  const bool burns =
+      std::any_of(plan.varying.begin(), plan.varying.end(), [](const PlanVarying& mass) { return mass.by_burnt; });
+  const std::int64_t corners = plan.laws.corners.empty() && !burns ? 0 : kMostCornerSplits;
   const std::int64_t features = pairs > 0 ? kMostFeatureSplits : 0;
-  limits.sub_steps = limits.parts + limits.splits + (plan.knots.empty() ? corners : kMostCornerSplits) + features;
+  limits.sub_steps = limits.parts + limits.splits + (plan.time_corners ? kMostCornerSplits : corners) + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
                     features * kMostFeatureTries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;

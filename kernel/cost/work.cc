@@ -197,6 +197,7 @@ void count_varying_bodies(const PlanData& plan, Work& work) {
   }
   for (const PlanVarying& body : plan.varying) {
     work[Unit::kVarying] += 1;
+    work[Unit::kCorners] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(body.count)));
     work[Unit::kVaryingKnots] += static_cast<double>(std::bit_width(static_cast<unsigned>(body.count)));
   }
 }
@@ -207,7 +208,8 @@ void count_loads(const PlanData& plan, Work& work) {
     if (load.apart || load.consumption != 0) work[Unit::kApartLoads] += 1;
     if (load.law != kNone) work[Unit::kLawLoads] += 1;
   }
-  // Once more for each search of their points; that of one table takes two bisections.
+  // Once more for each search of their points; that of one table takes two bisections, that of four switches one.
+  if (plan.time_corners) work[Unit::kCorners] += 0.25 * static_cast<double>(plan.element_scales.size());
   for (const PlanLoad& load : plan.loads)
     if (const PlanProfile& profile = plan.profiles[at(load.profile)];
         load.law == kNone && profile.kind == Profile::Kind::kTable)

@@ -27,6 +27,18 @@ Sym3 add(const Sym3& a, double k, const Sym3& b) {
 
 // Distance from a tick within which a knot is on it, s: times of ticks are rounded, and a step is whole nanoseconds.
 constexpr double kOnTick = 4e-10;
+// Part of the range of the knots of what is burnt within which it is at one: a sub-step that is to end there does
+// (kernel/events/event_search.cc).
+constexpr double kAtKnot = 1e-9;
+
+// Where the slopes of the law are those of `side`. Of what is burnt, stages have those of the beginning of their
+// sub-step, since what they burn until its end may be beyond the knot at which it ends.
+double get_place_of_slope(const PlanVarying& law, std::span<const MassKnot> knots, double t, KnotSide side,
+                          const Auxiliary& auxiliary, std::size_t i) {
+  if (!law.by_burnt) return side == KnotSide::kAfter ? t + kOnTick : t - kOnTick;
+  const double burnt = side == KnotSide::kAfter ? auxiliary.now[i] : auxiliary.start[i];
+  return burnt + kAtKnot * (knots.back().at - knots.front().at);
+}
 
 }  // namespace
 
@@ -40,7 +52,7 @@ void update_masses(const PlanData& plan, double t, KnotSide side, Evaluation& ev
     body.mass = p.low->mass + p.part * (p.high->mass - p.low->mass);
     body.centre_B = p.low->centre + p.part * (p.high->centre - p.low->centre);
     body.inertia_B = add(p.low->inertia, p.part, change);
-    const Interval s = law.by_burnt ? p : find_interval(knots, side == KnotSide::kAfter ? t + kOnTick : t - kOnTick);
+    const Interval s = find_interval(knots, get_place_of_slope(law, knots, t, side, ev.auxiliary, i));
     body.mass_slope = s.slope * (s.high->mass - s.low->mass);
     body.centre_slope_B = s.slope * (s.high->centre - s.low->centre);
     body.inertia_slope_B = add({0, 0, 0, 0, 0, 0}, s.slope, add(s.high->inertia, -1, s.low->inertia));

@@ -15,8 +15,8 @@
 
 namespace unlatch {
 
-// The piece of a law in time whose slope is used at a knot: the last stage of a step uses that before the knot,
-// everything else that after it.
+// The piece of a law whose slope is used at a knot: stages of a sub-step, of a law in time the last of them, use that
+// before the knot at its end, everything else that after it.
 enum class KnotSide { kBefore, kAfter };
 
 // ev.varying, but for the world axes: masses by the law at `t` and ev.auxiliary.now.

@@ -55,6 +55,9 @@ void add_times(const PlanData& plan, const State& state, double begin, double en
   const auto mark = [&](double time) { marker.mark((time - begin) / (end - begin)); };
   for (const ElementState& element : state.elements)
     if (element.duration > 0) mark(element.start + element.duration);
+  for (const PlanVarying& mass : plan.varying)
+    if (!mass.by_burnt)
+      for (const MassKnot& knot : std::span(plan.mass_knots).subspan(at(mass.first), at(mass.count))) mark(knot.at);
   const double reach = kMargin * plan.options.dt;
   for (const PlanLoad& load : plan.loads) {
     const PlanProfile& profile = plan.profiles[at(load.profile)];

@@ -25,11 +25,11 @@ struct CornerMarks {
 };
 
 // Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read and of tables over time, but
-// for those that are finer than the step; not at those of laws that only outputs read, nor at switches. `state`: of its
+// for those that are finer than the step; not at those of laws that only outputs read. `state`: of its
 // end, but before its events.
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
                          const LawCourse& course) noexcept;
-// Those of tables over time and of switches alone.
+// Those of tables and masses over time and of switches alone.
 CornerMarks mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept;
 
 // Gives the laws that jump at the end of the sub-step the branches of its stages. `branches`: Evaluation::branches, of

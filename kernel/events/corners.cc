@@ -66,21 +66,72 @@ bool passes_and_returns(const PlanData& plan, double begin, double end, const Pa
   return false;
 }
 
+namespace {
+
+// The first of `knots` between `begin` and `end`, or `end`. `get_time(knot)`: when it is passed, s, rising.
+template <class Knots, class GetTime>
+double find_first_knot(const Knots& knots, double begin, double end, const GetTime& get_time) {
+  const auto lies_before = [&](const auto& knot, double time) { return get_time(knot) < time; };
+  const auto low = std::lower_bound(knots.begin(), knots.end(), begin, lies_before);
+  const auto high = std::lower_bound(low, knots.end(), end, lies_before);
+  return low != high && high - low <= kMostCorners ? get_time(*low) : end;
+}
+
+std::span<const MassKnot> get_knots(const PlanData& plan, const PlanVarying& mass) {
+  return std::span(plan.mass_knots).subspan(at(mass.first), at(mass.count));
+}
+
+}  // namespace
+
 double find_time_corner(const PlanData& plan, const State& state, double begin, double end) noexcept {
-  const double slack = plan.get_slack();
-  double first = end;
+  const double slack = plan.get_slack(), low = begin + slack, high = end - slack;
+  double first = high;
   for (const PlanLoad& load : plan.loads) {
     const ElementState& element = state.elements[at(load.element)];
     if (load.law != kNone || (element.from == 0 && element.to == 0)) continue;
     const PlanProfile& profile = plan.profiles[at(load.profile)];
     if (profile.kind != Profile::Kind::kTable) continue;
     const std::span<const Knot> knots = std::span(plan.knots).subspan(at(profile.first), at(profile.count));
-    const auto lies_before = [&](const Knot& knot, double time) { return knot.time + element.switched_on < time; };
-    const auto low = std::lower_bound(knots.begin(), knots.end(), begin + slack, lies_before);
-    const auto high = std::lower_bound(low, knots.end(), end - slack, lies_before);
-    if (low != high && high - low <= kMostCorners) first = std::min(first, low->time + element.switched_on);
+    first = std::min(
+        first, find_first_knot(knots, low, high, [&](const Knot& knot) { return knot.time + element.switched_on; }));
+  }
+  for (const ElementState& element : state.elements) {
+    const double stop = element.start + element.duration;
+    if (element.duration > 0 && stop >= low) first = std::min(first, stop);
+  }
+  for (const PlanVarying& mass : plan.varying)
+    if (!mass.by_burnt)
+      first =
+          std::min(first, find_first_knot(get_knots(plan, mass), low, high, [](const MassKnot& k) { return k.at; }));
+  return first < high ? first : end;
+}
+
+PassedKnot find_burnt_knot(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
+                           std::span<const double> at_end) noexcept {
+  const double margin = kNearCorner * plan.options.dt / (end - begin);
+  PassedKnot first;
+  for (std::size_t i = 0; i < plan.varying.size(); ++i) {
+    const double a = at_begin[i], b = at_end[i];
+    if (!plan.varying[i].by_burnt || !(a < b)) continue;
+    const double none = a + (1 - margin) * (b - a);
+    const double knot = find_first_knot(get_knots(plan, plan.varying[i]), a + margin * (b - a), none,
+                                        [](const MassKnot& k) { return k.at; });
+    if (knot < none && (knot - a) / (b - a) < first.part)
+      first = {static_cast<std::int32_t>(i), knot, (knot - a) / (b - a)};
   }
   return first;
+}
+
+bool is_at_burnt_knot(const PlanData& plan, const Evaluation& ev) noexcept {
+  for (std::size_t i = 0; i < plan.varying.size(); ++i) {
+    const double burnt = ev.auxiliary.now[i], reach = 2 * kNearCorner * plan.options.dt * ev.auxiliary.rate[i];
+    if (!plan.varying[i].by_burnt || !(reach > 0)) continue;
+    const double none = burnt + reach;
+    if (find_first_knot(get_knots(plan, plan.varying[i]), burnt - reach, none, [](const MassKnot& k) { return k.at; }) <
+        none)
+      return true;
+  }
+  return false;
 }
 
 }  // namespace unlatch

@@ -1,14 +1,16 @@
-// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; and
-// points of loads' tables over time. Runge and Kutta's method has its order only in sub-steps without them:
-// event_search.cc splits a sub-step at the first of a law, step.cc at the first of a table over time.
+// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; knots of
+// the masses of bodies that burn; and those whose time is known: points of loads' tables over time, ends of ramps,
+// knots of masses over time. Runge and Kutta's method has its order only in sub-steps without them: event_search.cc
+// splits a sub-step at the first of a law or of what is burnt, step.cc at the first of the others.
 //
-// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time; where a law's corner is
-// passed, two or three more sub-steps, at a point of a table over time one.
+// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time and of a mass, and a look at
+// each switch; where a corner is passed, two or three more sub-steps, where its time is known one.
 #pragma once
 
 #include <span>
 
 #include "kernel/events/limits.h"
+#include "kernel/plan/evaluation.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/state.h"
 
@@ -39,8 +41,21 @@ struct PassedPlaces {
 // back, or comes back to where it began just before. What is over before the middle, or begins behind it, is not seen.
 bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept;
 
-// The time of the first point of a load's table over time between `begin` and `end`, of loads that act; `end` if there
-// is none. Tables with more than kMostCorners points in between do not count.
+// The time between `begin` and `end` of the first point of a load's table over time, of loads that act, of the first
+// end of a ramp, and of the first knot of a mass over time; `end` if there is none. Tables with more than kMostCorners
+// points in between do not count.
 double find_time_corner(const PlanData& plan, const State& state, double begin, double end) noexcept;
+
+struct PassedKnot {
+  std::int32_t mass = kNone;  // of PlanData::varying; kNone: no knot is passed
+  double burnt = 0;           // there, kg
+  double part = 1;            // of the sub-step, by the chord
+};
+// The first knot of what a body has burnt that is passed in a sub-step from `begin` to `end`. Knots very near either
+// end do not count, nor those of a body that passes more than kMostCorners. `at_begin`, `at_end`: of Auxiliary::now.
+PassedKnot find_burnt_knot(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
+                           std::span<const double> at_end) noexcept;
+// True if what a body has burnt is at one of its knots.
+bool is_at_burnt_knot(const PlanData& plan, const Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -280,6 +280,34 @@ bool may_split_at_corner(Run& run) {
   return end;
 }
 
+// --- Knots of what is burnt
+// -------------------------------------------------------------------------------------------
+
+// The time of the first knot up to `end`, of which the evaluation is; `end` if there is none, or kFailed. The
+// evaluation is of that time, guards_high too.
+[[gnu::noinline]] double find_burnt_knot_time(Run& run, const SubstepStart& start, double end) {
+  const std::span<const double> begun = run.state().auxiliary, now = run.ev().auxiliary.now;
+  const PassedKnot knot = find_burnt_knot(run.plan, start.t, end, begun, now);
+  if (knot.mass == kNone || !may_split_at_corner(run)) return end;
+  Bracket bracket{0, end - start.t, 0};
+  double low = begun[at(knot.mass)] - knot.burnt, high = now[at(knot.mass)] - knot.burnt, middle = 0, reached = end;
+  Crossing next = interpolate(bracket, low, high, middle);
+  for (int i = 0; i < kMostCornerTries; ++i) {
+    const double x = next.time;
+    reached = std::min(start.t + x, end);
+    if (!try_substep(run, start, reached)) return kFailed;
+    const double guard = now[at(knot.mass)] - knot.burnt;
+    double& replaced = guard >= 0 ? high : low;
+    middle = replaced;
+    replaced = guard;
+    bracket.narrow(x, guard >= 0);
+    next = interpolate(bracket, low, high, middle);
+    if (std::fabs(next.time - x) <= run.plan.get_slack()) break;
+  }
+  keep_high(run);
+  return reached;
+}
+
 // --- Features of closed pairs ----------------------------------------------------------------------------------------
 
 // A margin that changes its sign in a sub-step.
@@ -358,8 +386,9 @@ Reached advance_to_event(Run& run, double now, double target, Contacts contacts,
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
-  if (end == target && may_split) {  // the evaluation is of that time
+  if (end == target && may_split && run.plan.sought_corners) {  // the evaluation is of that time
     if (!run.plan.laws.corners.empty()) end = find_first_corner_time(run, start, end);
+    if (!run.plan.varying.empty() && end != kFailed) end = find_burnt_knot_time(run, start, end);
     if (!run.plan.contacts.empty() && end != kFailed) end = find_feature_time(run, start, end);
   }
   if (end == kFailed) return {kFailed, false};

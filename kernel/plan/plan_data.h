@@ -55,6 +55,8 @@ struct PlanNumbers {
   std::int32_t contact_substeps = 1;    // kAutomaticSubsteps, or a number
   bool pair_forces = false;             // there is an element other than loads
   std::int32_t rigid_pairs = 0;         // of PlanLists::contact_pairs, those of rigid contacts
+  bool time_corners = false;            // forces may have some whose time is known: kernel/events/corners.h
+  bool sought_corners = false;          // likewise some that a sub-step is searched for, or closed pairs have
 
   PlanLawNumbers law_numbers;
 

@@ -133,9 +133,14 @@ class SideBySide {
     return state_.events.subspan(at(data_.members[m].event), runs_[m].state->events.size());
   }
 
+  // What a member's bodies have burnt.
+  std::span<const double> get_burnt(std::size_t m, std::span<const double> all) const {
+    return all.subspan(at(data_.members[m].auxiliary[0].joined), get_data(*runs_[m].plan).varying.size());
+  }
+
   // True if no event of the member is due at the beginning of the step (compare is_due() in events.cc), no pending
-  // event becomes due in it, no contact is closed, no table over time has a point in it, and, where its motion is
-  // logged, no switch ends in it.
+  // event becomes due in it, no contact is closed, no corner whose time is known lies in it, and, where its motion is
+  // logged, none at its ends.
   bool begins_quietly(std::size_t m) const {
     const PlanData& own = get_data(*runs_[m].plan);
     const Guards guards = get_guards(m, ev_.guards);
@@ -150,7 +155,7 @@ class SideBySide {
     const std::span<const ContactState> pairs = runs_[m].state->contacts;
     if (std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; }))
       return false;
-    if (!own.knots.empty() && find_time_corner(own, *runs_[m].state, begin_, end_) < end_) return false;
+    if (own.time_corners && find_time_corner(own, *runs_[m].state, begin_, end_) < end_) return false;
     return runs_[m].log == nullptr || !mark_times(own, *runs_[m].state, begin_, end_).any();  // its own step logs it
   }
 
@@ -172,8 +177,8 @@ class SideBySide {
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
 
-  // True if no guard crosses zero (compare crosses() in event_search.cc), no law passes a corner, and no pair of shapes
-  // can have touched.
+  // True if no guard crosses zero (compare crosses() in event_search.cc), no law and nothing that is burnt passes a
+  // corner, and no pair of shapes can have touched.
   bool passes_quietly(std::size_t m) const {
     const PlanData& own = get_data(*runs_[m].plan);
     const double slack = plan_.get_slack();
@@ -191,6 +196,10 @@ class SideBySide {
           passes_and_returns(own, begin_, end_, places))
         return false;
     }
+    if (!own.varying.empty() &&
+        find_burnt_knot(own, begin_, end_, get_burnt(m, state_.auxiliary), get_burnt(m, ev_.auxiliary.now)).mass !=
+            kNone)
+      return false;
     if (runs_[m].log != nullptr && !own.laws.empty() &&
         mark_corners(own, *runs_[m].state, begin_, end_, get_course(m)).any())
       return false;  // its own step logs it

@@ -70,6 +70,7 @@ LawCourse get_course(const Run& run) {
 bool log_end(Run& run, double begin, double now, Readings readings) {
   if (run.log == nullptr) return false;
   const CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
+  const bool ends_piece = marks.at_end || (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev()));
   if (marks.at_begin) run.log->mark_corner();
   if (marks.jumps) {
     hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
@@ -78,8 +79,8 @@ bool log_end(Run& run, double begin, double now, Readings readings) {
     (void)evaluate(before, Changed::kCommands, run.ev());  // the factor is that of the end
   }
   log_motion(run, now, false, marks.jumps ? Readings::kStale : readings);
-  if (marks.at_end) run.log->mark_corner();
-  if (!marks.jumps) return marks.at_end;
+  if (ends_piece) run.log->mark_corner();
+  if (!marks.jumps) return ends_piece;
   (void)evaluate(run.get_instant(now), Changed::kCommands, run.ev());
   update_readings(run.get_instant(now), run.ev());
   return true;
@@ -119,7 +120,7 @@ ContactParts choose_parts(const Run& run, double now) {
   return run.plan.contacts.empty() ? ContactParts{} : choose_contact_parts(run.plan, run.state(), now, run.ev());
 }
 
-// The end of the sub-step from `now`: the first point of a table over time, unless the step has been split at as many
+// The end of the sub-step from `now`: the first corner whose time is known, unless the step has been split at as many
 // corners as it may be, which is reported; else `target`.
 [[gnu::noinline]] double calc_time_corner(Run& run, double now, double target) {
   const double corner = find_time_corner(run.plan, run.state(), now, target);
@@ -140,7 +141,7 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
   const double planned = reaches_due && due < end - slack ? due : end;
-  const double target = may_split && !run.plan.knots.empty() ? calc_time_corner(run, now, planned) : planned;
+  const double target = may_split && run.plan.time_corners ? calc_time_corner(run, now, planned) : planned;
   const Reached reached =
       advance_to_event(run, now, target, parts.implicit ? Contacts::kImplicit : Contacts::kExplicit, may_split);
   if (reached.time == kFailed) return step_end;

@@ -139,6 +139,56 @@ TEST(Varying, AKnotOnATickLeavesTheOrderOfTheStep) {
   }
 }
 
+// Knots of what is burnt, wherever they lie in a step: speed and spin follow from what is burnt alone, b, in each piece
+// by dv/db = c / m and J dw/db = (j - μ l²) w with the slopes -μ of the mass and -j of the inertia. The thrust changes,
+// so that no knot is where the flow of the beginning of a step would be at it.
+TEST(Varying, KnotsOfWhatIsBurntLeaveTheOrderOfTheStep) {
+  constexpr double kExhaust = 40, kArm = 0.7, kSpin = 0.8;
+  struct Row {
+    double at, mass, inertia;
+  };
+  constexpr Row kRows[] = {{0, 20, 9}, {1.31, 18, 8.5}, {2.47, 17.5, 6}, {5.03, 12, 4}};
+  for (const bool damping : {false, true}) {
+    Model model;
+    Body body = box("body", 20, 9, 9, 9);
+    body.w_WB_B = {kSpin, 0, 0};
+    std::vector<MassLaw::Knot> knots;
+    for (const Row& row : kRows)
+      knots.push_back({row.at, row.mass, {0, 0, 0}, row.inertia * Eigen::Matrix3d::Identity()});
+    body.law = build_law(MassLaw::Of::kBurnt, knots);
+    body.law->exit = {0, kArm, 0};
+    body.law->jet_damping = damping;
+    model.bodies = {body};
+    Load load = build_thrust(0, {1, 0, 0}, {0, 0, 0});
+    load.profile.kind = Profile::Kind::kExponential;
+    load.profile.initial = 40;
+    load.profile.final = 160;
+    load.profile.tau = 1.5;
+    load.consumption = 1 / kExhaust;
+    model.loads = {load};
+    double errors[3];
+    for (int i = 0; i < 3; ++i) {
+      Simulation s(model, {.dt = 0.1 / (1 << i)});
+      while (s.get_time() < 2.3) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+      double v = 0, w = kSpin;
+      const double burnt = s.state.auxiliary[0];
+      ASSERT_GT(burnt, kRows[3].at);
+      for (int k = 0; k < 3; ++k) {
+        const double width = kRows[k + 1].at - kRows[k].at, flow = (kRows[k].mass - kRows[k + 1].mass) / width,
+                     slope = (kRows[k].inertia - kRows[k + 1].inertia) / width;
+        v += kExhaust / flow * std::log(kRows[k].mass / kRows[k + 1].mass);
+        if (damping) w *= std::pow(kRows[k + 1].inertia / kRows[k].inertia, (flow * kArm * kArm - slope) / slope);
+      }
+      v += kExhaust / kRows[3].mass * (burnt - kRows[3].at);
+      const auto& found = s.state.bodies[0];
+      errors[i] = std::max(std::abs(found.v.x - v), std::abs(found.w.x - w));
+    }
+    EXPECT_GT(errors[0], 11 * errors[1]) << damping;
+    EXPECT_GT(errors[1], 11 * errors[2]) << damping;
+    EXPECT_LT(errors[2], 1e-8) << damping;
+  }
+}
+
 TEST(Varying, AMistakenLawIsNamed) {
   Model model = build_shifted({0.1, 0, 0});
   model.bodies[1].law->knots.push_back({-1, -2, {0, 0, 0}, Eigen::Matrix3d::Identity()});

@@ -96,6 +96,42 @@ TEST(Corners, StepsAreSplitAtThePointsOfTablesOverTime) {
     }
 }
 
+// A force that a ramp switches on and another one down again, the second within the time of its table: F is quadratic
+// in time in each piece, which the rule of the step integrates exactly.
+TEST(Corners, StepsAreSplitAtTheEndsOfRamps) {
+  constexpr double kUp = 0.2343, kDown = 0.1117, kLow = 0.25, kFirst = 6, kSlope = 4;  // s, s, 1, N, N/s
+  for (const double on : {0.1, 0.1029})
+    for (const char* dt : {"20 ms", "10 ms", "1 ms"}) {
+      const std::string text =
+          std::string("unlatch: 1\nname: ramps\nstep: {dt: ") + dt +
+          ", until: 1 s}\nbodies:\n  free: {mass: 2, inertia: [1, 1, 1], position: [0, 9, 0]}\n"
+          "  held: {mass: 2, inertia: [1, 1, 1]}\n"
+          "joints: {root: {between: [ground, held], modes: {welded: {kind: weld}}}}\nelements:\n"
+          "  push: {type: force, body: free, frame: world, direction: [1, 0, 0], enabled: false, "
+          "profile: {table: {times: [0, 1], values: [6, 2]}}}\n"
+          "  hold: {type: force, body: held, frame: world, direction: [1, 0, 0], enabled: false, "
+          "profile: {table: {times: [0, 1], values: [6, 2]}}}\nevents:\n"
+          "  - {name: up, when: {time: " +
+          std::to_string(on) +
+          "}, then: [{ramp: {element: push, to: 1, over: 234.3 ms}}, {ramp: {element: hold, to: 1, over: 234.3 ms}}]}\n"
+          "  - {name: down, when: {time: 0.5003}, then: [{ramp: {element: push, to: 0.25, over: 111.7 ms}}]}\n"
+          "requirements:\n  - {id: held, reaction: {joint: root, row: x}, take: peak, at_most: 1000 N}\n";
+      const double corners[] = {on, on + kUp, 0.5003, 0.5003 + kDown, 1};
+      const double scales[] = {0, 1, 1, kLow, kLow};
+      double impulse = 0;  // by Simpson's rule, which is exact for a square
+      for (int i = 0; i < 4; ++i) {
+        const auto get_force = [&](double part) {
+          const double t = corners[i] + part * (corners[i + 1] - corners[i]);
+          return (scales[i] + part * (scales[i + 1] - scales[i])) * (kFirst - kSlope * (t - on));
+        };
+        impulse += (corners[i + 1] - corners[i]) * (get_force(0) + 4 * get_force(0.5) + get_force(1)) / 6;
+      }
+      const AnalysedRun run(text);
+      EXPECT_NEAR(run.simulation->state().bodies[0].v.x, impulse / 2, 1e-12) << on << ", " << dt;
+      EXPECT_NEAR(std::abs(run.judge("held").value), kFirst - kSlope * kUp, kExact) << on << ", " << dt;
+    }
+}
+
 // What the weld holds, just before and just after a jump that a step is split at, and that lies on a tick.
 TEST(Corners, AJumpHasItsValuesOnBothSides) {
   for (const char* when : {"0.5", "0.5037"}) {
