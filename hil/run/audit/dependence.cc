@@ -182,6 +182,11 @@ bool reads_command(const Model& model, int law) {
   return law != kNone && reads_command(model, model.laws[at(law)], seen);
 }
 
+bool reads_speed(const Condition& condition, int joint) {
+  if (condition.kind == Condition::Kind::kSpeed) return condition.subject == joint;
+  return std::ranges::any_of(condition.parts, [joint](const Condition& part) { return reads_speed(part, joint); });
+}
+
 bool reads_command(const Model& model, const Condition& condition) {
   if (condition.kind == Condition::Kind::kCommand) return true;
   if (condition.kind == Condition::Kind::kQuantity) {
@@ -273,6 +278,15 @@ std::vector<int> list_commanded_bodies(const Model& model) {
   for (const unlatch::Event& event : model.events)
     if (reads_command(model, event.when)) list.add(list_driven_bodies(model, event));
   return list.get();
+}
+
+bool reads_speed(const Model& model, int joint) {
+  const auto is_speed = [joint](const auto& own) {
+    return own.kind == std::remove_cvref_t<decltype(own)>::Kind::kSpeed && own.subject == joint;
+  };
+  return std::ranges::any_of(model.quantities, is_speed) || std::ranges::any_of(model.sensors, is_speed) ||
+         std::ranges::any_of(model.events,
+                             [joint](const unlatch::Event& event) { return reads_speed(event.when, joint); });
 }
 
 std::vector<int> list_bodies(const Model& model, const Requirement& requirement) {

@@ -25,6 +25,8 @@ std::vector<int> list_driven_bodies(const Model& model, const unlatch::Event& ev
 // Bodies that sensors measure; those that commands drive, at once or by events.
 std::vector<int> list_sensed_bodies(const Model& model);
 std::vector<int> list_commanded_bodies(const Model& model);
+// True if a quantity, a guard or a sensor reads the speed of this joint.
+bool reads_speed(const Model& model, int joint);
 // Bodies on which a requirement's value depends.
 std::vector<int> list_bodies(const Model& model, const Requirement& requirement);
 

@@ -97,13 +97,19 @@ StepAudit::Centre StepAudit::calc_centre(const State& state) const {
   return centre;
 }
 
-void StepAudit::update(const StepReport& report) {
-  if (!begun_) return begin();
+std::optional<StepAudit::Repeated> StepAudit::update(const StepReport& report) {
+  if (!begun_) {
+    begin();
+    return {};
+  }
   const std::int64_t tick = simulation_.get_tick() - 1;
   ++ticks_;
   const bool jumps = follow();
-  if (is_due(tick, jumps || !report.events.empty()) && repeat(report)) compare(tick);
+  std::optional<Repeated> repeated;
+  if (is_due(tick, jumps || !report.events.empty()) && repeat(report))
+    repeated.emplace(half_.plan, half_.state, half_.workspace, compare(tick));
   keep();
+  return repeated;
 }
 
 void StepAudit::begin() {
@@ -191,7 +197,8 @@ bool StepAudit::repeat(const StepReport& report) {
   return fired == report.events.size() && has_same_phases(half_.state, simulation_.state());
 }
 
-void StepAudit::compare(std::int64_t tick) {
+// Returns the ticks since the step before that was compared.
+double StepAudit::compare(std::int64_t tick) {
   const double between = latest_ == kNone ? 0 : static_cast<double>(tick - latest_ - 1);
   const Centre centre = calc_centre(simulation_.state()), halved = calc_centre(half_.state);
   const Vec3 p_common = centre.p - halved.p, v_common = centre.v - halved.v;
@@ -207,6 +214,7 @@ void StepAudit::compare(std::int64_t tick) {
   }
   latest_ = tick;
   ++compared_;
+  return between;
 }
 
 void StepAudit::add_error(Course& course, const std::array<double, kMotionParts>& errors, double between) {

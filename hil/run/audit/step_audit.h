@@ -20,6 +20,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
@@ -56,8 +57,16 @@ class StepAudit {
   // Keeps a reference.
   explicit StepAudit(const Simulation& simulation);
 
-  // Called after the initial state (a default report), and after each step.
-  void update(const StepReport& report);
+  // A step that was taken again: the second half's end, and the ticks since the one before.
+  struct Repeated {
+    const Plan& plan;
+    const State& state;
+    const Workspace& workspace;
+    double between = 0;
+  };
+
+  // Called after the initial state (a default report), and after each step. The step if it was taken again.
+  std::optional<Repeated> update(const StepReport& report);
 
   // Bodies whose motion the step does not resolve, each with the part that is worst.
   [[nodiscard]] std::vector<StepError> list_unresolved() const;
@@ -119,7 +128,7 @@ class StepAudit {
   bool is_due(std::int64_t tick, bool special);
   // Takes the latest step again. False where the two do not see the same events.
   bool repeat(const StepReport& report);
-  void compare(std::int64_t tick);
+  double compare(std::int64_t tick);
   void add_error(Course& course, const std::array<double, kMotionParts>& errors, double between);
   void add_passed(Course& course, std::size_t part) const;
   [[nodiscard]] StepError find_worst(int body) const;

@@ -38,6 +38,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       simulation_(simulation),
       dt_(simulation.plan().get_options().dt),
       steps_(std::make_unique<StepAudit>(simulation)),
+      implicit_(simulation),
       unresolved_(scenario.model),
       links_(scenario.model, simulation.plan()),
       turning_(scenario.model.bodies.size()),
@@ -94,7 +95,7 @@ std::string NoticeWatch::describe_unresolved() const {
 }
 
 void NoticeWatch::update(const StepReport& report) {
-  steps_->update(report);
+  const std::optional<StepAudit::Repeated> repeated = steps_->update(report);
   if (audit_) audit_->update(report);
   watch_links(report);
   watch_bodies();
@@ -114,6 +115,8 @@ void NoticeWatch::update(const StepReport& report) {
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
+  implicit_.update();
+  if (repeated) implicit_.compare(repeated->plan, repeated->state, repeated->workspace, repeated->between);
   watch_tables();
   watch_cells(report);
   watch_laws();
@@ -161,7 +164,10 @@ void NoticeWatch::watch_bodies() {
 // Watches springs. Modes, switches and poses determine their rates; the first two change at events.
 void NoticeWatch::watch_springs() {
   if (scenario_.model.element_count() == static_cast<int>(scenario_.model.loads.size())) return;
-  for (const ElementFrequency& e : calc_frequencies(simulation_.plan(), simulation_.state(), workspace_)) {
+  const std::vector<ElementFrequency> frequencies =
+      calc_frequencies(simulation_.plan(), simulation_.state(), workspace_);
+  implicit_.set_rates(frequencies);
+  for (const ElementFrequency& e : frequencies) {
     const auto i = static_cast<std::size_t>(e.element);
     const ElementState& state = simulation_.state().elements[i];
     const double size = dt_ * std::max(e.omega, e.decay) * (state.from == 0 && state.to == 0 ? 0 : 1);

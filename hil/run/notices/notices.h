@@ -6,6 +6,9 @@
 //   rotation*  |w|·dt of a body beyond kAccurate
 //   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one, as
 //              of a mode, it is a notice only
+//   overshoot* an implicit spring, or a body with implicit modes, whose force changes abruptly, or differs for steps of
+//              half the length (implicit_audit.h); where it is only the speed of a spring's coordinate, the
+//              requirements on it are unresolved, and all that depends on its bodies where anything reads that speed
 //   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
 //              dt / tau beyond kAccurate
 //   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
@@ -41,6 +44,7 @@
 #include "hil/run/audit/unresolved_bodies.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
+#include "hil/run/notices/implicit_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/scenario/scenario.h"
 
@@ -116,11 +120,17 @@ class NoticeWatch {
   void watch_links(const StepReport& report);
   void add_unresolved(std::span<const int> bodies, const std::string& cause);
   [[nodiscard]] std::string describe(const StepError& error) const;
+  [[nodiscard]] std::string describe(const ImplicitError& error) const;
+  [[nodiscard]] const std::string& get_subject(const ImplicitError& error) const;
+  [[nodiscard]] bool is_read(const ImplicitError& error) const;
+  [[nodiscard]] std::vector<int> list_bodies(const ImplicitError& error) const;
+  void add_unresolved(const ImplicitError& error, UnresolvedBodies& unresolved) const;
 
   const Scenario& scenario_;
   const Simulation& simulation_;
   const double dt_;
   const std::unique_ptr<StepAudit> steps_;
+  ImplicitAudit implicit_;
   std::optional<EnergyAudit> audit_;
   std::vector<RunNotice> notices_;
   UnresolvedBodies unresolved_;

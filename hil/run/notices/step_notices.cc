@@ -1,10 +1,16 @@
-// What is known at the end of a run, or so far: the audit of the step, and laws that rise until then.
+// What is known at the end of a run, or so far: the audit of the step, that of implicit springs and modes, and laws
+// that rise until then.
+#include <algorithm>
+
+#include "hil/run/audit/dependence.h"
 #include "hil/run/audit/step_audit.h"
 #include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
+#include "hil/run/notices/resolution.h"
 #include "hil/run/notices/table_exit.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -32,6 +38,52 @@ std::string NoticeWatch::describe(const StepError& error) const {
       static_cast<long long>(steps_->get_ticks()));
 }
 
+const std::string& NoticeWatch::get_subject(const ImplicitError& error) const {
+  return error.element == kNone ? scenario_.model.bodies[at(error.body)].name
+                                : scenario_.model.element_name(error.element);
+}
+
+std::string NoticeWatch::describe(const ImplicitError& error) const {
+  const double step = kRoundedDown * dt_ * std::min(kAccurate / error.size, 0.5);
+  if (error.element == kNone)
+    return format(
+        "the modes that the step does not resolve (dt·omega up to %.3g) keep their mean, not their overshoot: %.2g of "
+        "the largest change of all modal forces; a step of %.3g s resolves them",
+        error.size, error.error / error.change, step);
+  const bool angular = describe_element(scenario_.model, error.element).angular;
+  if (error.of_speed)
+    return format(
+        "its period is not resolved (h times its rate is %.3g), and the speed of its joint is wrong by some %.2g %s, "
+        "of "
+        "%.3g %s that it changed by; a step of %.3g s resolves it",
+        error.size, error.error, angular ? "rad/s" : "m/s", error.change, angular ? "rad/s" : "m/s", step);
+  return format(
+      "its period is not resolved (h times its rate is %.3g), so that it keeps its mean, not its overshoot: some %.2g "
+      "%s "
+      "of %.3g %s that its force changed by; a step of %.3g s resolves it",
+      error.size, error.error, angular ? "N m" : "N", error.change, angular ? "N m" : "N", step);
+}
+
+std::vector<int> NoticeWatch::list_bodies(const ImplicitError& error) const {
+  return error.element == kNone ? std::vector<int>{error.body} : list_element_bodies(scenario_.model, error.element);
+}
+
+// Something but a requirement on the joint reads the speed that is wrong.
+bool NoticeWatch::is_read(const ImplicitError& error) const {
+  return !error.of_speed || reads_speed(scenario_.model, describe_element(scenario_.model, error.element).joint);
+}
+
+void NoticeWatch::add_unresolved(const ImplicitError& error, UnresolvedBodies& unresolved) const {
+  const bool passed = error.until != ImplicitError::kNever;
+  const std::string cause = "overshoot " + get_subject(error) + (passed ? format(", until %.6g s", error.until) : "") +
+                            ": " + describe(error);
+  if (!is_read(error))
+    return unresolved.add_speed(describe_element(scenario_.model, error.element).joint, cause, error.from, error.until);
+  const std::vector<int> bodies = list_bodies(error);
+  if (!passed) return unresolved.add(bodies, cause, error.from);
+  for (const int body : bodies) unresolved.add_passed(body, cause, error.from, error.until, links_);
+}
+
 std::vector<RunNotice> NoticeWatch::get() const {
   std::vector<RunNotice> notices = notices_;
   const double time = simulation_.get_time();
@@ -40,6 +92,8 @@ std::vector<RunNotice> NoticeWatch::get() const {
       const Law& law = scenario_.model.laws[at(passed.law)];
       notices.push_back({time, "law", law.name, hil::describe(law, passed), time, true});
     }
+  for (const ImplicitError& error : implicit_.list_unresolved())
+    notices.push_back({error.time, "overshoot", get_subject(error), describe(error), error.time, is_read(error)});
   for (const StepError& error : steps_->list_unresolved())
     notices.push_back(
         {error.time, "step", scenario_.model.bodies[at(error.body)].name, describe(error), error.time, true});
@@ -61,6 +115,8 @@ UnresolvedBodies NoticeWatch::get_unresolved() const {
                           format("step %s, until %.6g s: %s", scenario_.model.bodies[at(error.body)].name.c_str(),
                                  error.until, describe(error).c_str()),
                           error.from, error.until, links_);
+  for (const ImplicitError& error : implicit_.list_unresolved()) add_unresolved(error, unresolved);
+  for (const ImplicitError& error : implicit_.list_passed()) add_unresolved(error, unresolved);
   unresolved.spread(links_);
   return unresolved;
 }

@@ -1,0 +1,129 @@
+// Springs whose period the step does not resolve, beside a motion that hides them from the audit of bodies, against the
+// same springs with a step that does.
+#include "hil/run/notices/implicit_audit.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test {
+namespace {
+
+// A panel of 1 kg on a spring of 1e6 N/m (0.999 kg of reduced mass), both of which accelerate at 10 m/s²; the panel has
+// a force of its own as well. Another body stands apart.
+std::string push_panel(const std::string& force, const std::string& dt, const std::string& spring = "",
+                       const std::string& more = "") {
+  return "unlatch: 1\nname: panel\nstep: {dt: " + dt + R"(, until: 1}
+bodies:
+  hub: {mass: 1000, inertia: [1, 1, 1]}
+  panel: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}
+  other: {mass: 1000, inertia: [1, 1, 1], position: [0, 9, 0]}
+joints:
+  rail: {between: [hub, panel], point: [1, 0, 0], mode: slides,
+         modes: {slides: {kind: prismatic, axis: x}, held: {kind: weld}}}
+elements:
+  spring: {type: joint_spring, joint: rail, axis: x, stiffness: 1e6)" +
+         spring + R"(}
+  push: {type: force, body: panel, frame: world, direction: [1, 0, 0], profile: {expression: "10 N + )" +
+         force + R"("}}
+  thrust: {type: force, body: hub, frame: world, direction: [1, 0, 0], profile: 10 kN}
+requirements:
+  - {id: deflection, displacement: {joint: rail, axis: x}, take: peak, at_most: 1 m}
+  - {id: speed, speed: {joint: rail, axis: x}, take: peak, at_most: 1 m/s}
+  - {id: apart, velocity: {body: panel, relative_to: hub}, take: peak, at_most: 1 m/s}
+  - {id: reaction, reaction: {joint: rail, row: y}, at_most: 1 kN}
+  - {id: far, position: {body: other, along: [0, 1, 0]}, take: final, at_least: 1 m}
+)" + more;
+}
+
+const char* const kJump = "if_less(time, 0.5037 s, 0 N, 100 N)";
+const char* const kSmooth = "100 N * time^2 * (3 - 2 * time / (1 s)) / (1 s^2)";
+
+std::vector<hil::RunNotice> list_overshoots(const AnalysedRun& run) {
+  std::vector<hil::RunNotice> notices;
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    if (notice.name == "overshoot") notices.push_back(notice);
+  return notices;
+}
+
+bool is_unresolved(const AnalysedRun& run, const std::string& id) { return !run.judge(id).unresolved.empty(); }
+
+// The step that a notice proposes, s.
+std::string find_step(const std::string& text) {
+  const std::string before = "a step of ";
+  const std::size_t from = text.find(before) + before.size();
+  return text.substr(from, text.find(" s ", from) - from) + " s";
+}
+
+// Undamped it swings to twice its mean deflection, and the step keeps the mean.
+TEST(ImplicitAudit, AJumpBesideALargeMotionIsUnresolvedAndTheProposedStepSuffices) {
+  constexpr double kTwice = 2 * 100 * (1000.0 / 1001) / 1e6;  // m: of the part of the force that the hub bears
+  for (const char* const dt : {"10 ms", "2 ms"}) {
+    const AnalysedRun run(push_panel(kJump, dt));
+    ASSERT_EQ(list_overshoots(run).size(), 1U) << dt;
+    const hil::RunNotice notice = list_overshoots(run).front();
+    EXPECT_EQ(notice.subject, "spring");
+    EXPECT_TRUE(notice.unresolved);
+    EXPECT_NEAR(notice.time, 0.5037, 0.011);
+    for (const char* const id : {"deflection", "speed", "apart", "reaction"}) EXPECT_TRUE(is_unresolved(run, id)) << id;
+    EXPECT_FALSE(is_unresolved(run, "far"));
+    EXPECT_LT(run.judge("deflection").value, 0.99 * kTwice);
+    const AnalysedRun fine(push_panel(kJump, find_step(notice.text)));
+    EXPECT_TRUE(list_overshoots(fine).empty());
+    EXPECT_FALSE(is_unresolved(fine, "reaction")) << fine.judge("reaction").unresolved;
+    EXPECT_NEAR(fine.judge("deflection").value, kTwice, 0.005 * kTwice);
+  }
+}
+
+// So stiff that two half steps forget the overshoot as well as one: h·ω = 1000.
+TEST(ImplicitAudit, AnOvershootThatHalfStepsDoNotShowIsUnresolved) {
+  std::string stiff = push_panel(kJump, "10 ms");
+  stiff.replace(stiff.find("stiffness: 1e6"), 14, "stiffness: 1e10");
+  EXPECT_TRUE(is_unresolved(AnalysedRun(stiff), "deflection"));
+}
+
+// A force that grows smoothly: the deflection is right, the speed is not, nor is what reads it.
+TEST(ImplicitAudit, UnderASmoothForceTheSpeedAloneIsUnresolved) {
+  const AnalysedRun run(push_panel(kSmooth, "10 ms"));
+  EXPECT_NEAR(run.judge("deflection").value, 1e-4, 3e-7);
+  EXPECT_FALSE(is_unresolved(run, "deflection")) << run.judge("deflection").unresolved;
+  EXPECT_GT(run.judge("speed").value, 3 * 1.5e-4);
+  EXPECT_TRUE(is_unresolved(run, "speed"));
+  EXPECT_TRUE(is_unresolved(run, "apart"));
+  ASSERT_EQ(list_overshoots(run).size(), 1U);
+  EXPECT_FALSE(list_overshoots(run).front().unresolved);
+  EXPECT_TRUE(run.analysis.accuracy().describe_unresolved().empty());
+  const AnalysedRun read(push_panel(kSmooth, "10 ms", "", "quantities: {pace: {speed: {joint: rail, axis: x}}}\n"));
+  EXPECT_TRUE(is_unresolved(read, "deflection"));
+  const AnalysedRun fine(push_panel(kSmooth, find_step(list_overshoots(run).front().text)));
+  EXPECT_FALSE(is_unresolved(fine, "speed"));
+  EXPECT_NEAR(fine.judge("speed").value, 1.5e-4, 0.1 * 1.5e-4);  // it swings by as much as its start is abrupt
+}
+
+// Critically damped it has no overshoot, and the method makes one of its own.
+TEST(ImplicitAudit, ADampedSpringIsUnresolvedAtAJumpAlone) {
+  const std::string damping = ", damping: 2100";
+  const AnalysedRun jump(push_panel(kJump, "10 ms", damping)), fine(push_panel(kJump, "0.1 ms", damping));
+  EXPECT_FALSE(is_unresolved(fine, "deflection")) << fine.judge("deflection").unresolved;
+  EXPECT_GT(jump.judge("deflection").value, 1.1 * fine.judge("deflection").value);
+  EXPECT_TRUE(is_unresolved(jump, "deflection"));
+  const AnalysedRun smooth(push_panel(kSmooth, "10 ms", damping));
+  EXPECT_FALSE(is_unresolved(smooth, "deflection")) << smooth.judge("deflection").unresolved;
+  EXPECT_NEAR(smooth.judge("deflection").value, 1e-4, 3e-7);
+}
+
+TEST(ImplicitAudit, ASpringThatIsOffOrHeldHasNoOvershoot) {
+  const std::string off = "events: [{name: release, when: {time: 0.2}, then: [{switch: {element: spring, to: 0}}]}]\n";
+  const std::string held = "events: [{name: hold, when: {time: 0.2}, then: [{set_mode: {joint: rail, mode: held}}]}]\n";
+  for (const std::string& event : {off, held}) {
+    const AnalysedRun run(push_panel(kJump, "10 ms", "", event));
+    EXPECT_TRUE(list_overshoots(run).empty()) << event;
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test
