@@ -7,7 +7,7 @@ set(UNLATCH_STEPPING_SOURCES
   elements/kinds/friction.cc elements/kinds/load.cc elements/kinds/contact/contact.cc elements/kinds/contact/contact_parts.cc elements/kinds/contact/rigid_row.cc
   elements/kinds/one_sided/cord_path.cc elements/kinds/one_sided/one_sided.cc
   environment/air.cc environment/environment.cc environment/field.cc environment/planet.cc
-  events/corner_marks.cc events/corners.cc events/event_search.cc events/events.cc events/guards.cc events/impulses.cc events/rigid_friction.cc events/rigid_pairs.cc
+  events/cone_impulses.cc events/corner_marks.cc events/corners.cc events/event_search.cc events/events.cc events/guards.cc events/impulses.cc events/rigid_friction.cc events/rigid_pairs.cc
   geometry/closest.cc geometry/convex.cc geometry/core.cc geometry/distance.cc geometry/gjk.cc geometry/groups.cc geometry/middle.cc
   geometry/penetration.cc geometry/strips.cc geometry/wall.cc
   images/check_blocks.cc images/check_elements.cc images/check_events.cc images/check_laws.cc images/check_loops.cc

@@ -100,13 +100,13 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
 
 // One round: closes and opens pairs of shapes, marks the events that are due, then executes them. Returns their number,
 // or kFailedTouch. `added`: the number of rows that their actions add.
-int act_once(Run& run, double now, std::span<const double> tolerances, RowSet& added) {
+int act_once(Run& run, double now, std::size_t round, std::span<const double> tolerances, RowSet& added) {
   const PlanData& plan = run.plan;
   State& state = run.state();
   const Evaluation& ev = run.ev();
   EventSearch& search = run.search();
   EventRecord& events = run.events();
-  const int rigid = change_rigid_pairs(run, now, tolerances);
+  const int rigid = change_rigid_pairs(run, now, round, tolerances);
   if (rigid == kFailedTouch) return kFailedTouch;
   const int changes = change_pairs(plan, state, ev, tolerances) + rigid;
   events.change_count += changes;
@@ -180,7 +180,7 @@ std::size_t calc_rigid_rounds(const PlanData& plan) {
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
     RowSet added = 0;
-    const int count = act_once(run, now, tolerances, added);
+    const int count = act_once(run, now, round, tolerances, added);
     if (count == 0) return StepStatus::kOk;
     if (count == kFailedTouch) return StepStatus::kRigidContact;
     load_modes(plan, state, ev);
@@ -191,6 +191,8 @@ std::size_t calc_rigid_rounds(const PlanData& plan) {
     const bool blow = has_rigid_impulse(run, jumped);
     if (blow) {
       if (run.node = strike_rigid_pairs(run, now, allowed); run.node != kNone) return StepStatus::kSingular;
+    } else if (run.node = stop_rigid_slips(run, now, allowed); run.node != kNone) {
+      return StepStatus::kSingular;
     }
     const Balance jump = difference(calc_balance(plan, state, ev), before);
     const Instant instant = run.get_instant(now);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/elements/kinds/contact/rigid_row.h"
+#include "kernel/events/cone_impulses.h"
 #include "kernel/events/guards.h"
 #include "kernel/integration/integrator.h"
 
@@ -15,7 +16,7 @@ struct Triple {
   double n, first, second;
 };
 
-// Λ of a pair's own three rows.
+// Λ of a pair's own three rows, with its yield.
 struct OwnMatrix {
   double nn, n1, n2, a11, a12, a22;
 };
@@ -23,7 +24,8 @@ struct OwnMatrix {
 OwnMatrix get_own(const RigidScratch& s, int r) {
   const std::size_t n = s.loads.size();
   const auto get = [&](int i, int k) { return s.matrix[at(r + i) * n + at(r + k)]; };
-  return {get(0, 0), get(0, 1), get(0, 2), get(1, 1), get(1, 2), get(2, 2)};
+  const double yield = s.yield * get_pair_mobility(s, r);
+  return {get(0, 0) + yield, get(0, 1), get(0, 2), get(1, 1) + yield, get(1, 2), get(2, 2) + yield};
 }
 
 // The impulse that gives a pair the rates −b: rows that nothing moves have none.
@@ -75,8 +77,9 @@ double calc_rate_surplus(const RigidScratch& s, int r) {
   return sum;
 }
 
-// One pair, given the impulses of the others. False if it is wedged. `change`: the greatest change of a rate so far.
-bool solve_pair(RigidScratch& s, int r, double& change) {
+// One pair, given the impulses of the others: `part` of the way to those that it would have. False if it is wedged.
+// `change`: the greatest change of a rate so far.
+bool solve_pair(RigidScratch& s, int r, Slips slips, double part, double& change) {
   const RigidRow* rows = &s.rows[at(r)];
   double* const p = &s.forces[at(r)];
   if (!(rows[0].friction > 0)) {
@@ -86,48 +89,87 @@ bool solve_pair(RigidScratch& s, int r, double& change) {
     p[0] = next;
     return true;
   }
+  if (!(s.matrix[at(r) * s.loads.size() + at(r)] > 0)) return true;
   const OwnMatrix m = get_own(s, r);
-  if (!(m.nn > 0)) return true;
-  const Triple b{calc_rate_surplus(s, r) - (m.nn * p[0] + m.n1 * p[1] + m.n2 * p[2]),
-                 calc_rate_surplus(s, r + 1) - (m.n1 * p[0] + m.a11 * p[1] + m.a12 * p[2]),
-                 calc_rate_surplus(s, r + 2) - (m.n2 * p[0] + m.a12 * p[1] + m.a22 * p[2])};
+  const double yield = s.yield * get_pair_mobility(s, r);
+  const Triple b{calc_rate_surplus(s, r) - ((m.nn - yield) * p[0] + m.n1 * p[1] + m.n2 * p[2]),
+                 calc_rate_surplus(s, r + 1) - (m.n1 * p[0] + (m.a11 - yield) * p[1] + m.a12 * p[2]),
+                 calc_rate_surplus(s, r + 2) - (m.n2 * p[0] + m.a12 * p[1] + (m.a22 - yield) * p[2])};
   Triple next{0, 0, 0};
-  if (b.n < 0) {
+  if (is_directed(s, r, slips)) {
+    constexpr double kLeast = 1e-6;
+    const double mu = rows[0].friction, *slide = rows[0].slide;
+    const double pivot = m.nn - mu * (m.n1 * slide[0] + m.n2 * slide[1]);
+    if (!(pivot > kLeast * m.nn)) return false;
+    next.n = std::max(0.0, -b.n / pivot);
+    next.first = -mu * next.n * slide[0];
+    next.second = -mu * next.n * slide[1];
+  } else if (b.n < 0) {
     next = solve_own(m, rows, b);
     const double most = rows[0].friction * next.n;
     const bool sticks = next.n >= 0 && next.first * next.first + next.second * next.second <= most * most;
     if (!sticks && !slip_own(m, rows[0].friction, b, next)) return false;
   }
   const Triple was{p[0], p[1], p[2]};
-  p[0] = next.n;
-  p[1] = next.first;
-  p[2] = next.second;
+  p[0] += part * (next.n - was.n);
+  p[1] += part * (next.first - was.first);
+  p[2] += part * (next.second - was.second);
   change = std::max({change, std::abs(next.n - was.n) * rows[0].free, std::abs(next.first - was.first) * rows[1].free,
                      std::abs(next.second - was.second) * rows[2].free});
   return true;
 }
 
-// All pairs, until nothing changes. False, with the contact, if they are not found.
-bool solve_all(const PlanData& plan, Evaluation& ev) {
-  constexpr int kMost = 4000, kMany = 200;
-  // Of the fastest rate: rounding; and, where contacts hold a body more than once, so that impulses converge slowly,
-  // what redundant rows may contradict each other by.
-  constexpr double kSame = 1e-14;
-  RigidScratch& s = ev.rigid;
-  double fastest = 0;
-  for (int r = 0; r < s.count; ++r) fastest = std::max(fastest, std::abs(s.loads[at(r)]));
-  for (int i = 0; i < kMost; ++i) {
+// All pairs, one after the other, until nothing changes: true, or not within `most` sweeps, or, and `wedged` is that, a
+// pair is by itself.
+bool sweep_pairs(RigidScratch& s, Slips slips, int most, double part, double fastest, int& wedged) {
+  constexpr double kSame = 1e-14;  // of the fastest rate: rounding
+  for (int i = 0; i < most; ++i) {
     double change = 0;
     for (int r = 0; r < s.count; ++r) {
-      if (s.rows[at(r)].tangent != 0) continue;
-      if (solve_pair(s, r, change)) continue;
-      s.failed = plan.contact_pairs[at(s.rows[at(r)].pair)].contact;
-      s.wedged = true;
+      if (s.rows[at(r)].tangent != 0 || solve_pair(s, r, slips, part, change)) continue;
+      wedged = r;
       return false;
     }
-    if (change <= (i < kMany ? kSame : kImpulseResidual) * fastest) return true;
+    if (change <= kSame * fastest) return true;
   }
-  s.failed = plan.contact_pairs[at(s.rows[0].pair)].contact;
+  return false;
+}
+
+double find_fastest(const RigidScratch& s) {
+  double fastest = 0;
+  for (int r = 0; r < s.count; ++r) fastest = std::max(fastest, std::abs(s.loads[at(r)]));
+  return fastest;
+}
+
+// The impulses of all pairs that have the present yield, to a part of the fastest rate: from those that there are, then
+// from none. False if they are not found.
+bool solve_cones(Slips slips, double residual, double fastest, RigidScratch& s) {
+  constexpr int kSweeps = 10, kStarts = 3;
+  constexpr double kHalf = 0.5;
+  for (int i = 0; i < 2 * kStarts; ++i) {
+    if (i == kStarts) std::fill_n(s.forces.begin(), s.count, 0.0);
+    int wedged = kNone;
+    (void)sweep_pairs(s, slips, kSweeps, i % kStarts == 0 ? 1 : kHalf, fastest, wedged);
+    if (improve_cone_impulses(fastest, slips, s) <= residual) return true;
+  }
+  return false;
+}
+
+// The impulses of all pairs, as cone_impulses.h says. False, with the contact, if they are not found.
+bool solve_all(const PlanData& plan, Evaluation& ev) {
+  constexpr int kSweeps = 200;
+  constexpr double kYields[] = {0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3};
+  RigidScratch& s = ev.rigid;
+  const double fastest = find_fastest(s);
+  int wedged = kNone;
+  s.yield = 0;
+  if (sweep_pairs(s, Slips::kFree, kSweeps, 1, fastest, wedged)) return true;
+  for (const double yield : kYields) {
+    s.yield = yield;
+    if (solve_cones(Slips::kFree, kImpulseResidual, fastest, s)) return true;
+  }
+  s.wedged = wedged != kNone;
+  s.failed = plan.contact_pairs[at(s.rows[at(std::max(wedged, 0))].pair)].contact;
   return false;
 }
 
@@ -235,13 +277,16 @@ bool is_undecided(const Run& run, std::size_t pair) noexcept {
   return !(dot(reference, reference) > 0);
 }
 
-void change_friction(Run& run, std::size_t pair) noexcept {
+bool change_friction(Run& run, std::size_t pair) noexcept {
   const Evaluation& ev = run.ev();
   const int r = find_row(ev, pair);
-  if (r == kNone) return;
+  if (r == kNone) return false;
   const RigidRow* rows = &ev.rigid.rows[at(r)];
   const double* forces = &ev.rigid.forces[at(r)];
-  if (is_undecided(run, pair)) return set_friction(run, r, rows[1].rate, rows[2].rate, kRigidRest);
+  if (is_undecided(run, pair)) {
+    set_friction(run, r, rows[1].rate, rows[2].rate, kRigidRest);
+    return false;
+  }
   if (rows[0].mode != RigidMode::kSticks) {
     for (int i = 0; i < ev.rigid.count; ++i) {
       const RigidRow& row = ev.rigid.rows[at(i)];
@@ -249,11 +294,51 @@ void change_friction(Run& run, std::size_t pair) noexcept {
       if (row.tangent == 0 && (i == r || ends))
         set_mode(run, at(row.pair), kPairSticks, ev.rigid.rows[at(i + 1)].along);
     }
-    return;
+    return rows[0].slip > kRigidRest;
   }
   const double size = std::sqrt(forces[1] * forces[1] + forces[2] * forces[2]);
-  if (!(size > 0)) return;
-  set_mode(run, pair, kPairCreeps, -(1 / size) * (forces[1] * rows[1].along + forces[2] * rows[2].along));
+  if (size > 0) set_mode(run, pair, kPairCreeps, -(1 / size) * (forces[1] * rows[1].along + forces[2] * rows[2].along));
+  return false;
+}
+
+void rest_slow_pairs(Run& run) noexcept {
+  const Evaluation& ev = run.ev();
+  for (int r = 0; r < ev.rigid.count; ++r) {
+    const RigidRow* rows = &ev.rigid.rows[at(r)];
+    if (rows[0].tangent != 0 || rows[0].mode == RigidMode::kSmooth || rows[0].mode == RigidMode::kSticks) continue;
+    const bool back = rows[0].mode == RigidMode::kCreeps && rows[1].rate <= kRigidRest;
+    if (back || rows[0].slip <= kJust) set_mode(run, at(rows[0].pair), kPairSticks, rows[1].along);
+  }
+}
+
+bool find_friction_modes(Run& run) noexcept {
+  constexpr double kYields[] = {1e-9, 1e-8, 1e-7, 1e-6, 1e-5}, kPart = 1e-8, kEdge = 100, kNothing = 1e-9;
+  RigidScratch& s = run.ev().rigid;
+  const double fastest = find_fastest(s);
+  std::fill_n(s.forces.begin(), s.count, 0.0);
+  bool found = false;
+  for (const double yield : kYields) {
+    s.yield = yield;
+    found = solve_cones(Slips::kDirected, kPart, fastest, s);
+    if (found) break;
+  }
+  if (!found) return false;
+  double largest = 0;
+  for (int r = 0; r < s.count; ++r) largest = std::max(largest, std::abs(s.forces[at(r)]));
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow* rows = &s.rows[at(r)];
+    const double* const p = &s.forces[at(r)];
+    if (rows[0].tangent != 0) continue;
+    const std::size_t pair = at(rows[0].pair);
+    if (!(p[0] > kNothing * largest)) {
+      run.state().contacts[pair].closed = kPairLeaves;
+    } else if (rows[0].mode == RigidMode::kSticks) {
+      const double side = std::sqrt(p[1] * p[1] + p[2] * p[2]);
+      if (side < rows[0].friction * p[0] * (1 - kEdge * s.yield)) continue;
+      set_mode(run, pair, kPairCreeps, -(1 / side) * (p[1] * rows[1].along + p[2] * rows[2].along));
+    }
+  }
+  return true;
 }
 
 void set_friction(Run& run, int row, double first, double second, double rest) noexcept {

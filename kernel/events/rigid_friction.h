@@ -6,10 +6,11 @@
 //   |p_t| ≤ μ p_n,   u⁺ = 0 or p_t = −μ p_n u⁺/|u⁺|,
 //
 // are solved together, pair by pair in their order until nothing changes (projected Gauss and Seidel; J. J. Moreau,
-// "Unilateral contact and dry friction in finite freedom dynamics", 1988): each pair exactly, given the impulses of the
-// others. Without restitution the kinetic energy changes by −½ pᵀΛp − μ p_n|u⁺|, and never grows. With it, friction
-// that is coupled to the normals may add energy (T. R. Kane, 1984): then all coefficients of restitution of the blow
-// are lessened by the least common factor with which it does not grow.
+// "Unilateral contact and dry friction in finite freedom dynamics", 1988), each pair exactly, given the impulses of the
+// others; where that does not end, by Newton's method (kernel/events/cone_impulses.h). Without restitution the kinetic
+// energy changes by −½ pᵀΛp − μ p_n|u⁺|, and never grows. With it, friction that is coupled to the normals may add
+// energy (T. R. Kane, 1984): then all coefficients of restitution of the blow are lessened by the least common factor
+// with which it does not grow.
 //
 // Modes. A pair sticks as long as |T| ≤ μ N. A slip that begins, against T, has that direction until it is fast enough
 // to have one of its own (calc_least_slip()); it ends where it would reverse.
@@ -18,9 +19,6 @@
 #include "kernel/integration/run.h"
 
 namespace unlatch {
-
-// Part of the fastest rate of a blow that its impulses may leave unresolved.
-inline constexpr double kImpulseResidual = 1e-8;
 
 // The impulses of ev.rigid.rows, in ev.rigid.forces. `restitutions`: per row, 0 where it does not bounce. False if they
 // are not found; the contact is ev.rigid.failed.
@@ -35,8 +33,13 @@ bool is_undecided(const Run& run, std::size_t pair) noexcept;
 bool would_turn(const Run& run, std::size_t pair, Vec3& direction) noexcept;
 void turn_slip(Run& run, std::size_t pair, const Vec3& direction) noexcept;
 // The next mode of a pair whose friction begins or ends to hold it; where a slip ends, others that have all but ended
-// do as well.
-void change_friction(Run& run, std::size_t pair) noexcept;
+// do as well. True if that slip was not located, so that some of it is left.
+bool change_friction(Run& run, std::size_t pair) noexcept;
+// Where the changes of one pair after the other do not end: pairs whose slip is all but zero stick; and then, in an
+// evaluation of these, all pairs get the modes of the forces that cone_impulses.h finds, those that leave kPairLeaves.
+// False if none are found.
+void rest_slow_pairs(Run& run) noexcept;
+bool find_friction_modes(Run& run) noexcept;
 // The mode of a pair after an impulse. `first`, `second`: its slip after it along ev.rigid.rows, m/s; `rest`: what
 // counts for none.
 void set_friction(Run& run, int row, double first, double second, double rest) noexcept;

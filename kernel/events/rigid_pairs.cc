@@ -6,6 +6,7 @@
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/balance.h"
 #include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/events/cone_impulses.h"
 #include "kernel/events/rigid_friction.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/rigid_rows.h"
@@ -18,11 +19,16 @@ namespace {
 constexpr std::int64_t kTouched = 1;  // in this round
 constexpr std::int64_t kSettles = 2;  // it touched, and does not bounce
 constexpr std::int64_t kPulled = 4;   // it was opened at this instant because its force would pull
-constexpr std::int64_t kTurn = 8;     // times the number of its slip's turns at this instant
+constexpr std::int64_t kStops = 8;    // its slip ended in this round, and what is left of it is stopped
+constexpr std::int64_t kTurn = 16;    // times the number of its slip's turns at this instant
 constexpr std::int64_t kMostTurns = 32;
+// All pairs: they were brought to rest, and have modes that were found together, at this instant.
+constexpr std::int64_t kRests = std::int64_t{1} << 40, kDecided = std::int64_t{1} << 41;
 
 // m: a pair that bounced touches again this much nearer, one that was opened at rest; a located touch is no deeper.
 constexpr double kBounced = 1e-12, kRested = 1e-10, kDeepest = 1e-8;
+// Rounds for each pair in which one after the other changes.
+constexpr std::size_t kRoundsOfPivots = 4;
 // Part of forces, impulses and accelerations that is rounding; of rates, by which redundant rows contradict each other.
 constexpr double kNothing = 1e-9, kNoImpulse = 1e-12, kNoRate = 1e-8;
 
@@ -112,6 +118,45 @@ int turn_slips(Run& run) {
   return count;
 }
 
+void mark_all(Run& run, std::int64_t flags) {
+  for (std::int64_t& own : run.search().rigid) own |= flags;
+}
+
+bool is_marked(const Run& run, std::int64_t flag) {
+  return !run.search().rigid.empty() && (run.search().rigid[0] & flag) != 0;
+}
+
+// False, with the contact, if a force pulls or is out of its cone: no modes were found that hold.
+bool check_forces(Run& run) {
+  constexpr double kRest = 1e-6;  // of the largest
+  const double least = kRest * calc_largest_force(run);
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
+    if (!get_contact(run.plan, i).rigid || !is_held(run.state().contacts[i])) continue;
+    const bool breaks = run.state().contacts[i].closed == kPairSticks && run.ev().pair_slides[i] > least;
+    if (run.ev().pair_forces[i] >= -least && !breaks) continue;
+    run.ev().rigid.failed = run.plan.contact_pairs[i].contact;
+    return false;
+  }
+  return true;
+}
+
+// The changes of one pair after the other have not ended: all pairs at once, in two rounds. 0 if there is nothing left.
+int decide_together(Run& run) {
+  if (is_marked(run, kDecided)) return check_forces(run) ? 0 : kFailedTouch;
+  if (!is_marked(run, kRests)) {
+    for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
+      if ((run.search().rigid[i] & kPulled) != 0 && run.state().contacts[i].closed == kPairOpen) close(run, i);
+    rest_slow_pairs(run);
+    mark_all(run, kRests | kStops);
+    return 1;
+  }
+  mark_all(run, kDecided);
+  if (!find_friction_modes(run)) return kFailedTouch;
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
+    if (get_contact(run.plan, i).rigid && run.state().contacts[i].closed == kPairLeaves) open(run, i, kRested);
+  return 1;
+}
+
 // Opens or closes the first pair that has the wrong sign, or lets it slip or stick; 0 if none has.
 int pivot(Run& run, std::span<const double> guards, std::span<const double> below) {
   const double largest = calc_largest_force(run);
@@ -124,7 +169,7 @@ int pivot(Run& run, std::span<const double> guards, std::span<const double> belo
       if (run.ev().pair_forces[i] < 0) run.search().rigid[i] |= kPulled;
       open(run, i, kRested);
     } else if ((held && guards[i] >= -below[i]) || would_stick(run, i, largest)) {
-      change_friction(run, i);
+      if (change_friction(run, i)) run.search().rigid[i] |= kStops;
     } else if (would_overlap(run, i, largest)) {
       close(run, i);
     } else {
@@ -185,20 +230,21 @@ bool find_impulses(Evaluation& ev) {
   return false;
 }
 
+// Rate of row r after the impulses.
+double calc_rate_after(const RigidScratch& s, int r) {
+  const double* const row = &s.matrix[at(r) * s.loads.size()];
+  double after = s.rows[at(r)].rate;
+  for (int c = 0; c < s.count; ++c) after += row[c] * s.forces[at(c)];
+  return after;
+}
+
 // What the ground takes, and what the impulses of the rows do; adds these to the contacts' totals.
 void account(Run& run, Balance& allowed) {
   Evaluation& ev = run.ev();
   const RigidScratch& s = ev.rigid;
-  const std::size_t n = s.loads.size();
-  double fastest = 0;
-  if (has_rigid_friction(run.plan))
-    for (int r = 0; r < s.count; ++r) fastest = std::max(fastest, std::abs(s.loads[at(r)]));
-  const double rest = std::max(kRigidRest, 10 * kImpulseResidual * fastest);
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
-    double after = row.rate;
-    for (int c = 0; c < s.count; ++c) after += s.matrix[at(r) * n + at(c)] * s.forces[at(c)];
-    const double p = s.forces[at(r)], work = 0.5 * p * (row.rate + after);
+    const double p = s.forces[at(r)], work = 0.5 * p * (row.rate + calc_rate_after(s, r));
     allowed.kinetic += work;
     if (row.base == kGround || row.follower == kGround) {
       const int body = row.base == kGround ? row.follower : row.base;
@@ -207,20 +253,59 @@ void account(Run& run, Balance& allowed) {
       allowed.angular_momentum += cross(get_body_frame(ev, body).p, wrench.lin) + wrench.ang;
     }
     add_impulse(get_contact(run.plan, at(row.pair)), row.tangent == 0 ? p : 0, -work, ev);
+  }
+}
+
+// The modes of all pairs after a blow: those that leave, those that slip.
+void set_modes(Run& run) {
+  Evaluation& ev = run.ev();
+  const RigidScratch& s = ev.rigid;
+  double fastest = 0;
+  if (has_rigid_friction(run.plan))
+    for (int r = 0; r < s.count; ++r) fastest = std::max(fastest, std::abs(s.loads[at(r)]));
+  const double rest = std::max(kRigidRest, 10 * kImpulseResidual * fastest);
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow& row = s.rows[at(r)];
     if (row.tangent != 0) continue;
-    if (row.friction > 0) {
-      const auto calc_after = [&](int k) {
-        double sum = s.rows[at(k)].rate;
-        for (int c = 0; c < s.count; ++c) sum += s.matrix[at(k) * n + at(c)] * s.forces[at(c)];
-        return sum;
-      };
-      set_friction(run, r, calc_after(r + 1), calc_after(r + 2), rest);
-    }
-    if (after > rest) {
+    const double yield = s.yield * get_pair_mobility(s, r);
+    const auto calc_after = [&](int k) { return calc_rate_after(s, k) + yield * s.forces[at(k)]; };
+    if (row.friction > 0) set_friction(run, r, calc_after(r + 1), calc_after(r + 2), rest);
+    if (calc_after(r) > rest) {
       run.state().contacts[at(row.pair)].closed = kPairLeaves;
       ev.pair_forces[at(row.pair)] = 0;
     }
   }
+}
+
+// Rows of all closed pairs, and Λ by a factor of the velocities. Returns kNone, or as strike_rigid_pairs().
+int prepare_impulse(Run& run, double now) {
+  const PlanData& plan = run.plan;
+  Evaluation& ev = run.ev();
+  if (const std::int32_t pair = collect_rigid_rows(plan, run.state(), now, ev); pair != kNone) {
+    ev.rigid.failed = plan.contact_pairs[at(pair)].contact;
+    return kRigidFailure;
+  }
+  update_joints(plan, run.state(), RowTarget::kVelocity, ev);
+  const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
+  const int node = get_kernels(plan).factor_and_solve(plan, run.state(), ev, nothing, kAllRows);
+  if (node != kNone) return node;
+  update_rigid_matrix(plan, 0, ev);
+  return kNone;
+}
+
+// The bodies get the impulses of the rows. Returns as strike_rigid_pairs().
+int apply_rigid_impulse(Run& run, Balance& allowed) {
+  const PlanData& plan = run.plan;
+  Evaluation& ev = run.ev();
+  account(run, allowed);
+  set_rigid_impulses(plan, ev);
+  if (const int failed = apply_impulse(plan, Source::kBodyForces, run.state(), ev); failed != kNone) return failed;
+  const Balance joints = calc_allowed_change(plan, run.state(), ev);
+  allowed.momentum += joints.momentum;
+  allowed.angular_momentum += joints.angular_momentum;
+  allowed.kinetic += joints.kinetic;
+  update_velocities(plan, ev);
+  return kNone;
 }
 
 }  // namespace
@@ -232,7 +317,8 @@ void begin_rigid_pairs(Run& run) noexcept {
 }
 
 bool wants_rigid_pair(const Run& run) noexcept {
-  if (run.plan.rigid_pairs == 0) return false;
+  if (run.plan.rigid_pairs == 0 || is_marked(run, kDecided)) return false;
+  if (is_marked(run, kRests)) return true;
   const double largest = calc_largest_force(run);
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
     if (would_overlap(run, i, largest) || would_stick(run, i, largest)) return true;
@@ -242,7 +328,7 @@ bool wants_rigid_pair(const Run& run) noexcept {
   return false;
 }
 
-int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances) noexcept {
+int change_rigid_pairs(Run& run, double now, std::size_t round, std::span<const double> tolerances) noexcept {
   const PlanData& plan = run.plan;
   if (plan.rigid_pairs == 0) return 0;
   const std::span<const double> guards = get_pair_guards(plan, std::span<const double>(run.ev().guards)),
@@ -250,7 +336,7 @@ int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances)
   int count = 0;
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
     if (!get_contact(plan, i).rigid) continue;
-    run.search().rigid[i] &= ~(kTouched | kSettles);
+    run.search().rigid[i] &= ~(kTouched | kSettles | kStops);
     const std::int64_t closed = run.state().contacts[i].closed;
     const bool on = calc_scale(run.state().elements[at(get_contact(plan, i).element)], now) != 0;
     if (closed == kPairOpen && guards[i] >= -below[i]) {
@@ -262,7 +348,9 @@ int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances)
     }
     ++count;
   }
-  return count > 0 ? count : pivot(run, guards, below);
+  if (count > 0) return count;
+  const bool together = has_rigid_friction(plan) && round > kRoundsOfPivots * at(plan.rigid_pairs);
+  return together ? decide_together(run) : pivot(run, guards, below);
 }
 
 bool has_rigid_impulse(const Run& run, bool jumped) noexcept {
@@ -275,13 +363,8 @@ bool has_rigid_impulse(const Run& run, bool jumped) noexcept {
 
 int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
   const PlanData& plan = run.plan;
-  Evaluation& ev = run.ev();
-  RigidScratch& s = ev.rigid;
-  if (const std::int32_t pair = collect_rigid_rows(plan, run.state(), now, ev); pair != kNone) {
-    s.failed = plan.contact_pairs[at(pair)].contact;
-    return kRigidFailure;
-  }
-  const bool rough = has_rigid_friction(plan);
+  RigidScratch& s = run.ev().rigid;
+  if (const int failed = prepare_impulse(run, now); failed != kNone) return failed;
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
     const bool bounces =
@@ -290,26 +373,30 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
     s.loads[at(r)] = -(1 + restitution) * row.rate;
     s.pivots[at(r)] = restitution;
   }
-  update_joints(plan, run.state(), RowTarget::kVelocity, ev);
-  const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
-  const int node = get_kernels(plan).factor_and_solve(plan, run.state(), ev, nothing, kAllRows);
-  if (node != kNone) return node;
-  update_rigid_matrix(plan, 0, ev);
-  if (rough) {
-    if (!find_friction_impulses(plan, s.pivots, ev)) return kRigidFailure;
-  } else if (!find_impulses(ev)) {
+  s.yield = 0;
+  if (has_rigid_friction(plan)) {
+    if (!find_friction_impulses(plan, s.pivots, run.ev())) return kRigidFailure;
+  } else if (!find_impulses(run.ev())) {
     s.failed = plan.contact_pairs[at(s.rows[0].pair)].contact;
     return kRigidFailure;
   }
-  account(run, allowed);
-  set_rigid_impulses(plan, ev);
-  if (const int failed = apply_impulse(plan, Source::kBodyForces, run.state(), ev); failed != kNone) return failed;
-  const Balance joints = calc_allowed_change(plan, run.state(), ev);
-  allowed.momentum += joints.momentum;
-  allowed.angular_momentum += joints.angular_momentum;
-  allowed.kinetic += joints.kinetic;
-  update_velocities(plan, ev);
-  return kNone;
+  set_modes(run);
+  return apply_rigid_impulse(run, allowed);
+}
+
+int stop_rigid_slips(Run& run, double now, Balance& allowed) noexcept {
+  const auto stops = [](std::int64_t flags) { return (flags & kStops) != 0; };
+  if (std::none_of(run.search().rigid.begin(), run.search().rigid.end(), stops)) return kNone;
+  RigidScratch& s = run.ev().rigid;
+  if (const int failed = prepare_impulse(run, now); failed != kNone) return failed;
+  RigidSet set = 0;
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow& row = s.rows[at(r)];
+    s.loads[at(r)] = -row.rate;
+    if (row.tangent == 0 || s.rows[at(r - row.tangent)].mode == RigidMode::kSticks) set |= RigidSet{1} << r;
+  }
+  solve_rigid_set(set, run.ev());
+  return apply_rigid_impulse(run, allowed);
 }
 
 }  // namespace unlatch

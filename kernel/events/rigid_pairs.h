@@ -27,8 +27,9 @@ bool wants_rigid_pair(const Run& run) noexcept;
 // Closes pairs that touch, opens those that leave or are off; if there are none, one whose force pulls is opened or one
 // that would overlap is closed. Returns the number of changes, or kFailedTouch if a pair cannot be closed: its contact
 // is Evaluation::rigid.failed.
+// In late rounds all pairs change together.
 inline constexpr int kFailedTouch = -1;
-int change_rigid_pairs(Run& run, double now, std::span<const double> tolerances) noexcept;
+int change_rigid_pairs(Run& run, double now, std::size_t round, std::span<const double> tolerances) noexcept;
 
 // True if an impulse is due: a pair has touched in this round, or some is closed while velocities `jumped`.
 bool has_rigid_impulse(const Run& run, bool jumped) noexcept;
@@ -36,5 +37,10 @@ bool has_rigid_impulse(const Run& run, bool jumped) noexcept;
 // Applies the impulse of all closed pairs. Adds to `allowed` the change that it may make. Returns kNone, or as
 // kernel/integration/integrator.h says.
 int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept;
+
+// Takes away what was left of slips that ended in this round: those whose directions were fixed end where they would
+// go back, and what they have across these directions is below calc_least_slip(). The impulse is that of rows that
+// close, with the kinetic energy that it takes. Returns likewise.
+int stop_rigid_slips(Run& run, double now, Balance& allowed) noexcept;
 
 }  // namespace unlatch

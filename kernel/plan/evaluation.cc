@@ -52,6 +52,7 @@ void lay_out_rigid(const PlanData& plan, Arena& arena, Evaluation& ev) {
   for (std::span<double>* matrix : {&rigid.matrix, &rigid.factor, &rigid.gram}) arena.take(*matrix, n * n);
   for (std::span<double>* numbers : {&rigid.loads, &rigid.forces, &rigid.middle, &rigid.pivots})
     arena.take(*numbers, n);
+  for (std::span<double>* numbers : {&rigid.trial, &rigid.residual}) arena.take(*numbers, rough > 0 ? n : 0);
   arena.take(rigid.independent, n);
   arena.take(rigid.body_forces, any * plan.bodies.size());
 }

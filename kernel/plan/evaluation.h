@@ -155,6 +155,8 @@ struct RigidScratch {
   std::span<double> gram;               // n rows of n
   std::span<double> loads, forces;      // n: what each row still lacks; its force or impulse
   std::span<double> middle, pivots;     // n
+  std::span<double> trial, residual;    // n, if there is friction
+  double yield = 0;                     // of the latest impulses, see kernel/events/cone_impulses.h
   std::span<std::int32_t> independent;  // n
   std::span<Spatial> body_forces;       // per body: its SharedBlock::force without the rows' forces
 };
