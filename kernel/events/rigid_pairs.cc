@@ -376,6 +376,10 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
   s.yield = 0;
   if (has_rigid_friction(plan)) {
     if (!find_friction_impulses(plan, s.pivots, run.ev())) return kRigidFailure;
+    if (s.yield > run.report.yielded) {
+      run.report.yielded = s.yield;
+      run.report.yielding = plan.contact_pairs[at(s.rows[0].pair)].contact;
+    }
   } else if (!find_impulses(run.ev())) {
     s.failed = plan.contact_pairs[at(s.rows[0].pair)].contact;
     return kRigidFailure;

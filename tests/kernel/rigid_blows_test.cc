@@ -59,7 +59,7 @@ double calc_lack(const Simulation& s, const Model& model) {
 struct Outcome {
   bool refused = false;
   int touches = 0, postponed = 0;
-  double gain = -1, balance = 0, lack = 0;
+  double gain = -1, balance = 0, lack = 0, yielded = 0;
 };
 
 Outcome fly(const Model& model, int ticks) {
@@ -75,6 +75,8 @@ Outcome fly(const Model& model, int ticks) {
       return out;
     }
     out.postponed += report.postponed;
+    EXPECT_EQ(report.yielded > 0, report.yielding >= 0);
+    out.yielded = std::max(out.yielded, report.yielded);
     for (const EventAudit& audit : report.audits) out.gain = std::max(out.gain, audit.allowed.kinetic);
     for (const FiredEvent& fired : report.events) out.touches += fired.event % 2 == 0 ? 1 : 0;
     out.lack = std::max(out.lack, calc_lack(s, model));
@@ -89,7 +91,7 @@ constexpr double kLack = 1e-9;       // N: rounding
 constexpr double kPostponed = 1e-3;  // likewise where a touch waited for a tick, goes deeper until then, and is lifted
 
 struct Sum {
-  int refused = 0, touches = 0;
+  int refused = 0, touches = 0, yielded = 0;
   double lack = 0;
   void add(const Outcome& out) {
     refused += out.refused ? 1 : 0;
@@ -97,6 +99,8 @@ struct Sum {
     EXPECT_LE(out.gain, kGain);
     EXPECT_LE(out.balance, out.postponed > 0 ? kPostponed : kBalance);
     lack = std::max(lack, out.lack);
+    EXPECT_LE(out.yielded, 1e-3);
+    yielded += out.yielded > 0 ? 1 : 0;
   }
 };
 
@@ -107,6 +111,7 @@ TEST(RigidBlows, NearlyAllLandingsOnRoughFeetAreFlown) {
       std::mt19937_64 random(seed + 1000U * static_cast<unsigned>(feet));
       sum.add(fly(build_random_landing([&] { return std::uniform_real_distribution<>(-1, 1)(random); }, feet), 300));
     }
+    EXPECT_EQ(sum.yielded > 0, feet > 2) << feet << " feet";  // two places do not contradict each other
     EXPECT_LE(sum.refused, feet > 4 ? 2 : feet > 3 ? 1 : 0) << feet << " feet";
     EXPECT_GT(sum.touches, 400);
     EXPECT_LE(sum.lack, kLack);

@@ -143,6 +143,7 @@ class NoticeWatch {
   std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
   std::vector<Slot> profile_notices_;              // of loads
   std::vector<Slot> left_, skipped_;               // of tables
+  Slot yielded_;                                   // of blows
   std::vector<Slot> beside_;                       // of one-sided forces
   std::vector<Slot> passed_, passed_over_;         // of events; of laws
   std::vector<ProfileWatch> profiles_;             // of loads

@@ -10,6 +10,8 @@
 namespace unlatch::hil {
 namespace {
 
+constexpr double kYielded = 1e-6;  // of the speeds in a blow: reported above it
+
 // Name of a guard: an index into the model's events, then into its contacts.
 const std::string& get_guard_name(const Model& model, int guard) {
   const std::size_t i = at(guard), events = model.events.size();
@@ -33,6 +35,18 @@ void NoticeWatch::watch_search(const StepReport& report) {
     add("contact", contact.name,
         format("its bounces ended, and those of other rigid contacts: the next flight would be shorter than %.3g s",
                contact.settle.value_or(0.5 * dt_)));
+  }
+  if (report.yielded > kYielded) {
+    const std::vector<int> bodies = list_contact_bodies(scenario_.model, report.yielding);
+    this->report(
+        yielded_, "contact", scenario_.model.contacts[at(report.yielding)].name, report.yielded,
+        [&] {
+          return format(
+              "a blow on several rough feet, whose places contradict each other, is found to %.0e of its "
+              "speeds only; a smaller step would do",
+              report.yielded);
+        },
+        bodies);
   }
   if (open.unlocated > 0 && !unlocated_) {
     unlocated_ = true;

@@ -65,6 +65,8 @@ struct StepReport {
   bool wedged = false;                  // likewise: its friction leaves its normal force undecided (Painlevé)
   std::int32_t settled = 0;             // bounces of rigid contacts whose flight would be shorter than Contact::settle
   std::int32_t settling = kNone;        // index of the contact of the latest of these
+  double yielded = 0;                   // part of the speeds to which a blow on rough feet is known, the worst of them
+  std::int32_t yielding = kNone;        // index of a contact of this blow
   std::int32_t substeps = 0;            // integrations done, 1 without events
   std::int32_t redundant = 0;           // rows of closed loops that follow from the others, at the end of the step
   std::int32_t postponed = 0;           // instants left to the next tick because the bound on splits was reached

@@ -92,6 +92,26 @@ TEST(RigidContacts, TheEnergyBalanceCloses) {
   EXPECT_NEAR(energy.impulses, -kWeight * 0.2, 1e-4);
 }
 
+TEST(RigidContacts, ABlowThatIsNotFoundExactlyLeavesItsBodiesUnresolved) {
+  const hil::Scenario scenario = hil::load_scenario_text(build_ball("0.2", "rigid: true, restitution: 0.5"), "s.yaml");
+  const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
+  hil::NoticeWatch watch(scenario, *simulation);
+  watch.update(StepReport{});
+  StepReport report = simulation->step();
+  report.yielded = 1e-7;
+  report.yielding = 0;
+  watch.update(report);
+  EXPECT_EQ(watch.describe_unresolved(), "");
+  report.yielded = 1e-4;
+  watch.update(report);
+  EXPECT_NE(watch.describe_unresolved(), "");
+  report.yielded = 1e-3;
+  watch.update(report);
+  ASSERT_EQ(watch.get_notices().size(), 1u);
+  EXPECT_NE(watch.get_notices()[0].text.find("found to 1e-03 of its speeds"), std::string::npos)
+      << watch.get_notices()[0].text;
+}
+
 TEST(RigidContacts, MistakesSayWhatWouldBeRight) {
   const auto mistakes = [](const std::string& law) { return load_errors(build_ball("0.2", law)); };
   EXPECT_EQ(mistakes("rigid: true"), "");
