@@ -5,7 +5,6 @@
 
 #include "hil/run/audit/dependence.h"
 #include "hil/scenario/base/index.h"
-#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -73,10 +72,8 @@ bool BodyLinks::is_on(const Link& link, const State& state) const {
     case Kind::kElement:
       return acts();
     case Kind::kContact:
-      return acts() && std::ranges::any_of(get_contact_pairs(plan_, state, link.subject),
-                                           [](const ContactState& pair) { return pair.closed != 0; });
-    case Kind::kOneSided:
-      return acts() && state.engaged[at(link.subject)] != 0;
+    case Kind::kOneSided:  // engaged or not: with the true motion it might have been
+      return acts();
     case Kind::kEvent:
       return model_.events[at(link.subject)].repeat || state.events[at(link.subject)].phase != EventPhase::kSpent;
     case Kind::kCommand:
