@@ -9,7 +9,7 @@
 
 namespace unlatch::hil {
 
-BodyLinks::BodyLinks(const Model& model, const Plan& plan) : model_(model), plan_(plan) {
+BodyLinks::BodyLinks(const Model& model) : model_(model) {
   for (int j = 0; at(j) < model.joints.size(); ++j) add(Kind::kJoint, j, kNone, list_joint_bodies(model, j));
   int element = 0;
   for (const Load& load : model.loads) {
