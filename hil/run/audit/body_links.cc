@@ -5,12 +5,11 @@
 
 #include "hil/run/audit/dependence.h"
 #include "hil/scenario/base/index.h"
-#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
 
-BodyLinks::BodyLinks(const Model& model, const Plan& plan) : model_(model), plan_(plan) {
+BodyLinks::BodyLinks(const Model& model) : model_(model) {
   for (int j = 0; at(j) < model.joints.size(); ++j) add(Kind::kJoint, j, kNone, list_joint_bodies(model, j));
   int element = 0;
   for (const Load& load : model.loads) {
@@ -73,10 +72,8 @@ bool BodyLinks::is_on(const Link& link, const State& state) const {
     case Kind::kElement:
       return acts();
     case Kind::kContact:
-      return acts() && std::ranges::any_of(get_contact_pairs(plan_, state, link.subject),
-                                           [](const ContactState& pair) { return pair.closed != 0; });
-    case Kind::kOneSided:
-      return acts() && state.engaged[at(link.subject)] != 0;
+    case Kind::kOneSided:  // engaged or not: with the true motion it might have been
+      return acts();
     case Kind::kEvent:
       return model_.events[at(link.subject)].repeat || state.events[at(link.subject)].phase != EventPhase::kSpent;
     case Kind::kCommand:

@@ -1,15 +1,15 @@
 // Links of a run: through which the motion of one body reaches that of another, and when. Joints with any row and
-// elements between two bodies that act (springs, closed contacts, engaged pushers, cords and stops) link both; a law
-// links the bodies that it reads to the one that it pushes; an event links the bodies of its guard to those that it
-// acts on, as long as it may act; commands that change link the bodies that sensors measure to those that are
-// commanded. The ground links nothing. Cost: one pass over all links at the start and at instants of events.
+// elements between two bodies that are switched on (springs, contacts, pushers, cords, stops, whether they engage or
+// not) link both; a law links the bodies that it reads to the one that it pushes; an event links the bodies of its
+// guard to those that it acts on, as long as it may act; commands that change link the bodies that sensors measure to
+// those that are commanded. The ground links nothing. Cost: one pass over all links at the start and at instants of
+// events.
 #pragma once
 
 #include <limits>
 #include <vector>
 
 #include "unlatch/model.h"
-#include "unlatch/plan.h"
 #include "unlatch/state.h"
 
 namespace unlatch::hil {
@@ -18,8 +18,8 @@ class BodyLinks {
  public:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  // Keeps references to both.
-  BodyLinks(const Model& model, const Plan& plan);
+  // Keeps a reference.
+  explicit BodyLinks(const Model& model);
 
   // The state at the start, and just before and after each instant of events; times do not fall, s.
   void update(const State& state, double time);
@@ -51,7 +51,6 @@ class BodyLinks {
   [[nodiscard]] bool is_on(const Link& link, const State& state) const;
 
   const Model& model_;
-  const Plan& plan_;
   std::vector<Link> links_;
 };
 

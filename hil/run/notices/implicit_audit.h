@@ -5,8 +5,8 @@
 // Solving Ordinary Differential Equations II, IV.15, on stiff components that a method damps).
 //
 // Error of a force: half of the third difference of its values at ticks, which is its jump for a jump, and (h·Ω)³/2 of
-// it for one that swings slowly at Ω, times the overshoot of the spring's own damping, exp(−πζ/√(1 − ζ²)), none from
-// ζ = 1 on; and the difference from two half steps, summed as for bodies. Of the speed of its coordinate: the latter
+// it for one that swings slowly at Ω, times the overshoot of the spring's own damping, exp(−πζ/√(1 − ζ²)), or that of
+// the method, 0.21; and the difference from two half steps, summed as the method forgets it. Of its speed: the latter
 // alone. Compared with the largest change of the same value since the start. Of a flexible body: the modal forces ω²η,
 // those of the modes that the step does not resolve against those of all. Cost: a reading for each such spring or mode
 // and tick; nothing without them.

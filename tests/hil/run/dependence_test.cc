@@ -105,6 +105,26 @@ requirements:
   EXPECT_EQ(run.analysis.accuracy().describe_unresolved(), "");
 }
 
+// With the true motion of the ball it might have: a contact that stays open.
+TEST(Dependence, WhatNeverEngagesLinksItsBodies) {
+  const AnalysedRun run(R"--(unlatch: 1
+name: open
+step: {dt: 10 ms, until: 1}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+  a: {mass: 100, inertia: [1, 1, 1], position: [9, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 100, inertia: [1, 1, 1], position: [0, 9, 0], shape: [{sphere: {radius: 0.1}}]}
+quantities: {place: {position: {body: ball, component: x}}}
+elements: {push: {type: force, body: ball, frame: world, direction: [1, 0, 0], profile: {expression: "-4e4 N/m * place"}}}
+contacts: {pads: {between: [ball, a], stiffness: 1e5}}
+requirements:
+  - {id: a, velocity: {body: a}, take: final, at_most: 1 km/s}
+  - {id: b, velocity: {body: b}, take: final, at_most: 1 km/s}
+)--");
+  EXPECT_FALSE(is_resolved(run, "a"));
+  EXPECT_TRUE(is_resolved(run, "b"));
+}
+
 TEST(Dependence, WhatCommandsDriveDependsOnWhatSensorsMeasure) {
   const std::string text = R"(unlatch: 1
 name: commanded
