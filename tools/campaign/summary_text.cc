@@ -1,7 +1,10 @@
 #include "tools/campaign/summary_text.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hil/scenario/yaml/setting.h"
 #include "tools/campaign/review.h"
@@ -99,6 +102,78 @@ void print_step(std::FILE* to, const Json& step) {
   std::fprintf(to, "\n");
 }
 
+// What disperses the values of the requirements, by the measure that the sampling allows.
+struct Influence {
+  std::string input;
+  double value = 0;
+  std::string text;  // with its interval
+};
+
+Influence build_influence(const Json& name, const Json& value, const Json& interval) {
+  Influence influence{name, value.is_number() ? value.get<double>() : 0, ""};
+  influence.text = influence.input + " " + format("%.2g", influence.value);
+  if (interval.is_array() && interval[0].is_number() && interval[1].is_number())
+    influence.text += format(" (%.2g … %.2g)", interval[0].get<double>(), interval[1].get<double>());
+  return influence;
+}
+
+std::vector<Influence> list_influences(const Json& sensitivity, const Json& inputs) {
+  std::vector<Influence> list;
+  if (sensitivity.contains("sobol")) {
+    for (const Json& one : sensitivity.at("sobol"))
+      list.push_back(build_influence(one.at("parameter"), one.at("total"), one.at("total_interval")));
+  } else if (sensitivity.contains("morris")) {
+    for (const Json& one : sensitivity.at("morris"))
+      list.push_back(build_influence(one.at("parameter"), one.at("mean_size"), nullptr));
+  } else if (sensitivity.contains("first_order")) {
+    const Json& orders = sensitivity.at("first_order");
+    for (std::size_t k = 0; k < orders.size(); ++k)
+      list.push_back(build_influence(inputs[k].at("name"), orders[k].at("index"), orders[k].at("interval")));
+  }
+  std::ranges::sort(list, std::greater<>(), &Influence::value);
+  return list;
+}
+
+const char* get_influence_heading(const Json& sensitivity) {
+  if (sensitivity.contains("sobol"))
+    return "Influences: Sobol' totals, parts of a value's variance that go with an input, alone or with others";
+  if (sensitivity.contains("morris"))
+    return "Influences: mean sizes of elementary effects (Morris), in the value's SI unit for the range of an input";
+  return "Influences: parts of a value's variance by an input alone (first-order indices), with 95 % intervals";
+}
+
+void print_influences(std::FILE* to, const Json& summary) {
+  constexpr std::size_t kMost = 5;
+  constexpr double kExplained = 0.8;  // of the variance: less is said
+  bool begun = false;
+  for (const Json& requirement : summary.at("requirements")) {
+    const std::string id = requirement.at("id");
+    const Json& columns = summary.at("columns");
+    const auto column = std::ranges::find_if(columns, [&](const Json& one) { return one.at("name") == id; });
+    if (column == columns.end() || !column->contains("sensitivity") || !summary.contains("inputs")) continue;
+    const Json& sensitivity = column->at("sensitivity");
+    const std::vector<Influence> list = list_influences(sensitivity, summary.at("inputs"));
+    if (list.empty()) continue;
+    if (!std::exchange(begun, true)) print_heading(to, get_influence_heading(sensitivity));
+    const bool alone = sensitivity.contains("significant") && sensitivity.at("significant").is_number();
+    const double least = alone ? sensitivity.at("significant").get<double>() : 0;
+    std::string text;
+    double sum = 0;
+    std::size_t printed = 0;
+    for (const Influence& one : list) {
+      if (one.value <= least) break;
+      sum += one.value;
+      if (++printed <= kMost) text += (text.empty() ? "" : ", ") + one.text;
+    }
+    if (printed > kMost) text += ", and " + count(printed - kMost, "other input");
+    if (text.empty()) text = "of no input distinct from chance";
+    if (alone) text += format("; chance reaches %.2g", least);
+    if (alone && printed > 0 && sum < kExplained)
+      text += format("; %.0f %% by none alone: inputs act together, or samples are few", 100 * (1 - sum));
+    std::fprintf(to, "  %-16s %s\n", id.c_str(), text.c_str());
+  }
+}
+
 }  // namespace
 
 void print_summary(std::FILE* to, const Json& summary) {
@@ -152,6 +227,7 @@ void print_summary(std::FILE* to, const Json& summary) {
                  any.at("failed").get<long long>(), any.at("unresolved").get<long long>(),
                  text(any.at("estimate")).c_str(), p[0].get<double>(), p[1].get<double>());
   }
+  print_influences(to, summary);
   std::string worst;
   for (const Json& sample : summary.at("worst"))
     worst += (worst.empty() ? "" : ", ") + std::to_string(sample.get<long long>());

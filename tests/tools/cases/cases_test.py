@@ -106,8 +106,12 @@ class CasesTest(ProcessTest):
         inputs = [column["name"] for column in summary["inputs"]]
         first = dict(zip(inputs, given["first_order"]))
         rank = dict(zip(inputs, given["spearman"]))
+        text = self.run_ok(UNLATCH, "campaign", campaign, "--out", self.folder / "given", "--resume", *short, code=1).stdout
+        self.assertRegex(text, r"Influences: parts .*\n  tipoff +d[yz] [\d.]+ \(.*, d[yz] [\d.]+ \(.*; chance reaches 0\.\d+")
         pairs = self.change("sat-saltelli.yaml", ("samples: 2304", "samples: 576"), ("until: 0.4 s", "until: 0.4 s, step.dt: 2 ms"))
         saltelli = self.run_json(UNLATCH, "campaign", pairs, "--out", self.folder / "saltelli", code=1)
+        text = self.run_ok(UNLATCH, "campaign", pairs, "--out", self.folder / "saltelli", "--resume", code=1).stdout
+        self.assertRegex(text, r"Influences: Sobol' totals.*\n  tipoff +d[yz] [\d.]+ \(.*, d[yz] [\d.]+ \(")
         design = next(c for c in saltelli["columns"] if c["name"] == "tipoff")["sensitivity"]["sobol"]
         total = dict(zip([column["name"] for column in saltelli["inputs"]], design))
         for axis in "dy", "dz":

@@ -168,12 +168,14 @@ void measure_growth(const hil::Scenario& scenario, const hil::Simulation& simula
 
 void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
   print_heading(to, "Energy, J (seen from the centre of mass)");
-  std::fprintf(to, "  motion gained %.6g: springs and modes gave %.6g, impulses %.6g", energy.kinetic, energy.strain,
-               energy.impulses);
+  // Each is a sum of terms as large as the scale, of which rounding leaves so much.
+  const auto show = [&energy](double value) { return drop_rounding(value, energy.scale); };
+  std::fprintf(to, "  motion gained %.6g: springs and modes gave %.6g, impulses %.6g", show(energy.kinetic),
+               show(energy.strain), show(energy.impulses));
   for (std::size_t i = 0; i < energy.work.size(); ++i)
-    if (energy.work[i] != 0) std::fprintf(to, ", %s %.6g", kPowerSourceNames[i], energy.work[i]);
-  if (energy.contacts != 0) std::fprintf(to, ", contacts %.6g", energy.contacts);
-  if (energy.numerical != 0) std::fprintf(to, ", damping of the implicit method %.3g", energy.numerical);
+    if (energy.work[i] != 0) std::fprintf(to, ", %s %.6g", kPowerSourceNames[i], show(energy.work[i]));
+  if (energy.contacts != 0) std::fprintf(to, ", contacts %.6g", show(energy.contacts));
+  if (energy.numerical != 0) std::fprintf(to, ", damping of the implicit method %.3g", show(energy.numerical));
   std::fprintf(to, "\n  unexplained %.3g, at most %.3g at %.6g s; largest energy %.6g\n", energy.unexplained,
                energy.largest, energy.largest_time, energy.scale);
 }

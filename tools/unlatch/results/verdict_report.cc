@@ -24,8 +24,9 @@ const hil::Requirement& get(const RunReport& report, const hil::Verdict& verdict
 std::string describe_value(const hil::Requirement& requirement, const hil::Verdict& verdict) {
   if (!verdict.evaluated) return verdict.why;
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
-  return to_short_text(verdict.value) + unit + " at " + to_short_text(verdict.time) + " s, " +
-         describe_limit(requirement) + ", margin " + to_short_text(verdict.margin) + unit;
+  const double value = drop_rounding(verdict.value, std::abs(verdict.margin));
+  return to_short_text(value) + unit + " at " + to_short_text(verdict.time) + " s, " + describe_limit(requirement) +
+         ", margin " + to_short_text(verdict.margin) + unit;
 }
 
 // For plots: the kind of quantity, its row or "size", and the body that it is relative to.
