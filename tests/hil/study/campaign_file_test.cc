@@ -270,7 +270,7 @@ TEST_F(CampaignFileTest, ATableMayBeLargerThanAScenario) {
   }
   EXPECT_EQ(load_errors(rest), "");
   fs::resize_file(folder_ / "big.csv", (std::uintmax_t{256} << 20) + 1);  // sparse
-  EXPECT_THAT(load_errors(rest), HasSubstr("a table has at most 256 MiB"));
+  EXPECT_THAT(load_errors(rest), HasSubstr("more than 256 MiB; a table file has at most"));
 }
 
 TEST_F(CampaignFileTest, OutputsAndCurvesBecomeColumns) {
