@@ -153,11 +153,11 @@ void project_face(const Core& core, const Vec3& n, double size, const Plane& pla
         if (is_free) free[count++] = i;
       }
       if (count == 0) return;
-      const int signs[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+      const bool high_ends[4][2] = {{false, false}, {true, false}, {true, true}, {false, true}};
       for (int k = 0; k < (count == 1 ? 2 : 4); ++k) {
         double p[3] = {low[0], low[1], low[2]};
-        p[free[0]] = signs[k][0] ? high[free[0]] : low[free[0]];
-        if (count == 2) p[free[1]] = signs[k][1] ? high[free[1]] : low[free[1]];
+        p[free[0]] = high_ends[k][0] ? high[free[0]] : low[free[0]];
+        if (count == 2) p[free[1]] = high_ends[k][1] ? high[free[1]] : low[free[1]];
         add_corner(region, plane.see(to_pair(core, {p[0], p[1], p[2]})));
       }
       return close_polygon(region);
