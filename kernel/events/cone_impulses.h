@@ -4,8 +4,8 @@
 // The law as a zero (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991): with the rates u = Λp − c of the
 // rows beyond their loads c, and a pair's own mobilities m_n along and m_t across its normal,
 //
-//   x = p_n − u_n/m_n,   y = p_t − u_t/m_t,   p_n = max(0, x),   p_t = the vector nearest to y with |p_t| ≤ μ max(0,
-//   x).
+//   x = p_n − u_n/m_n,   y = p_t − u_t/m_t,
+//   p_n = max(0, x),     p_t = the vector nearest to y with |p_t| ≤ μ max(0, x).
 //
 // It is piecewise smooth: Newton's method takes the derivative of the piece that it is on, and converges in some five
 // iterations. Of redundant rows, whose impulses the zero leaves open, each iteration changes p by the least square
@@ -18,10 +18,9 @@
 // law of u + ε m p, p·u ≤ −ε m p².
 //
 // Forces of bodies that slip or stick are found likewise, with accelerations in the place of velocities: pairs that
-// slip
-// (`directed`) have p_t = −μ p_n s for the direction s of their slip, and all others the law above. With a small yield
-// forces of redundant rows are those of least square, as kernel/integration/rigid_rows.h takes them: where p is within
-// its cone, ε m p = −u is in the range of Λ.
+// slip (Slips::kDirected) have p_t = −μ p_n s for the direction s of their slip, and all others the law above. With a
+// small yield forces of redundant rows are those of least square, as kernel/integration/rigid_rows.h takes them: where
+// p is within its cone, ε m p = −u is in the range of Λ.
 //
 // Cost: some n³ for each iteration, n rows; at most kMostCone iterations.
 #pragma once
