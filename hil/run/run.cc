@@ -123,6 +123,10 @@ std::string describe_fault(const StepReport& report, std::int64_t tick, const Mo
     text += " at contact '" + model.contacts[static_cast<std::size_t>(report.contact)].name + "'";
   if (report.wedged)
     text += ": its friction outgrows what its normal force decides, so that no motion follows (it wedges, Painlevé)";
+  if (report.degenerate)
+    text +=
+        ": its shapes overlap by more than their radii, or its capsules are parallel, so that its force has no place "
+        "(spheres along one of them, or a stiffness)";
   if (report.table >= 0 && static_cast<std::size_t>(report.table) < model.tables.size())
     text += ": " + describe_exit(model.tables[static_cast<std::size_t>(report.table)], report.exit);
   return text + ", tick " + std::to_string(tick) + " (t = " + std::to_string(static_cast<double>(tick) * dt) + " s)";

@@ -93,7 +93,8 @@ bool begin_touch(Run& run, double now, std::size_t pair) {
   const PlanContact& contact = get_contact(run.plan, pair);
   run.ev().rigid.failed = run.plan.contact_pairs[pair].contact;
   RigidRow row;
-  if (!calc_row(run, pair, row)) return false;
+  run.ev().rigid.degenerate = !calc_row(run, pair, row);
+  if (run.ev().rigid.degenerate) return false;
   if (row.gap < -kDeepest && run.state().elements[at(contact.element)].switched_on == now) return false;
   run.ev().rigid.failed = kNone;
   if (!(row.rate < 0)) return true;
@@ -281,10 +282,7 @@ void set_modes(Run& run) {
 int prepare_impulse(Run& run, double now) {
   const PlanData& plan = run.plan;
   Evaluation& ev = run.ev();
-  if (const std::int32_t pair = collect_rigid_rows(plan, run.state(), now, ev); pair != kNone) {
-    ev.rigid.failed = plan.contact_pairs[at(pair)].contact;
-    return kRigidFailure;
-  }
+  if (!collect_rigid_rows(plan, run.state(), now, ev)) return kRigidFailure;
   update_joints(plan, run.state(), RowTarget::kVelocity, ev);
   const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
   const int node = get_kernels(plan).factor_and_solve(plan, run.state(), ev, nothing, kAllRows);
@@ -313,7 +311,7 @@ int apply_rigid_impulse(Run& run, Balance& allowed) {
 void begin_rigid_pairs(Run& run) noexcept {
   std::fill(run.search().rigid.begin(), run.search().rigid.end(), std::int64_t{0});
   run.ev().rigid.failed = kNone;
-  run.ev().rigid.wedged = false;
+  run.ev().rigid.wedged = run.ev().rigid.degenerate = false;
 }
 
 bool wants_rigid_pair(const Run& run) noexcept {

@@ -1,6 +1,7 @@
 // Pairs of shapes: their order, their cores, and which method computes them.
 #include "kernel/geometry/distance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -200,15 +201,18 @@ PairMargins calc_pair_margins(const ShapeView& a, const Placement& at_a, const S
   return on_a.known && on_b.known ? PairMargins{on_a.of, on_b.of} : kNone;
 }
 
-SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at_sphere, const ShapeView& other,
-                                    const Placement& at_other) noexcept {
+namespace {
+
+// Of a sphere about `centre`, W.
+SphereDistance calc_sphere_distance(const Vec3& centre, double radius, const ShapeView& other,
+                                    const Placement& at_other) {
   SphereDistance out;
-  out.centre = at_sphere.p_WB + at_sphere.R_WB * sphere.numbers.p_BS;
-  const Vec3 origin = at_other.p_WB, x = out.centre - origin;
+  out.centre = centre;
+  const Vec3 origin = at_other.p_WB, x = centre - origin;
   if (other.numbers.kind == ShapeKind::kHalfSpace) {
     const ShapeNumbers& space = other.numbers;
     out.normal = (at_other.R_WB * space.R_BS).z;
-    out.distance = dot(out.normal, x - at_other.R_WB * space.p_BS) - sphere.numbers.r0;
+    out.distance = dot(out.normal, x - at_other.R_WB * space.p_BS) - radius;
     return out;
   }
   const Rounded solid = build_core(other, place(other.numbers, at_other, origin));
@@ -220,8 +224,36 @@ SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at
   out.normal = (1 / D) * away;
   out.bend = 1 / D;
   out.kept = nearest.J;
-  out.distance = D - solid.radius - sphere.numbers.r0;
+  out.distance = D - solid.radius - radius;
   return out;
+}
+
+// Where along the axis a, from −h to h about its centre, it is nearest to the axis b; `apart` leads from the centre of
+// b to that of a. The sum of squares is convex: the best place without ends, moved into them one axis after the other.
+double find_nearest_along(const Vec3& a, double h, const Vec3& b, double of_b, const Vec3& apart) {
+  const double c = dot(a, b), along_a = dot(apart, a), along_b = dot(apart, b), across = 1 - c * c;
+  const double s = across > 0 ? std::clamp((c * along_b - along_a) / across, -h, h) : 0;
+  const double t = std::clamp(along_b + s * c, -of_b, of_b);
+  return std::clamp(t * c - along_a, -h, h);
+}
+
+}  // namespace
+
+SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at_sphere, const ShapeView& other,
+                                    const Placement& at_other) noexcept {
+  return calc_sphere_distance(at_sphere.p_WB + at_sphere.R_WB * sphere.numbers.p_BS, sphere.numbers.r0, other,
+                              at_other);
+}
+
+CapsuleDistance calc_capsule_distance(const ShapeView& capsule, const Placement& at_capsule, const ShapeView& other,
+                                      const Placement& at_other) noexcept {
+  const ShapeNumbers &own = capsule.numbers, &its = other.numbers;
+  const Vec3 axis = (at_capsule.R_WB * own.R_BS).z, its_axis = (at_other.R_WB * its.R_BS).z;
+  const Vec3 arm = at_capsule.R_WB * own.p_BS;
+  const Vec3 apart = (at_capsule.p_WB - at_other.p_WB) + (arm - at_other.R_WB * its.p_BS);
+  const double s = find_nearest_along(axis, own.half_length, its_axis, its.half_length, apart);
+  const SphereDistance sphere = calc_sphere_distance(at_capsule.p_WB + (arm + s * axis), own.r0, other, at_other);
+  return {sphere, std::abs(s) < own.half_length ? axis : Vec3{0, 0, 0}};
 }
 
 }  // namespace unlatch::geometry

@@ -59,4 +59,14 @@ inline bool has_sphere_distance(ShapeKind other) noexcept { return other != Shap
 SphereDistance calc_sphere_distance(const ShapeView& sphere, const Placement& at_sphere, const ShapeView& other,
                                     const Placement& at_other) noexcept;
 
+// Two capsules: the place x of the capsule's axis that is nearest to the other's axis, with the distance of the sphere
+// about it, whose radius is the capsule's.
+struct CapsuleDistance {
+  SphereDistance sphere;
+  // Unit vector along the axis, W, if x lies between its ends, so that it moves along the axis; else zero.
+  Vec3 axis{0, 0, 0};
+};
+CapsuleDistance calc_capsule_distance(const ShapeView& capsule, const Placement& at_capsule, const ShapeView& other,
+                                      const Placement& at_other) noexcept;
+
 }  // namespace unlatch::geometry

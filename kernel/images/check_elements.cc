@@ -127,7 +127,7 @@ void PlanCheck::check_shapes() {
       require(plan_.contact_pairs[at(plan_.contacts[c].first_pair + i)].contact == static_cast<std::int32_t>(c));
 }
 
-// One shape of a pair is a sphere and the other convex or a half-space, and there is room for the rows of all.
+// Each pair can have a row, and there is room for the rows of all.
 void PlanCheck::check_rigid_contacts() {
   std::int64_t pairs = 0;
   for (const ContactPair& own : plan_.contact_pairs) {
@@ -136,10 +136,7 @@ void PlanCheck::check_rigid_contacts() {
     const auto get_kind = [&](std::int32_t shapes, std::int32_t shape) {
       return plan_.shape_parts[at(plan_.shapes[at(shapes)].first + shape)].kind;
     };
-    const geometry::ShapeKind base = get_kind(contact.base, own.base_shape),
-                              follower = get_kind(contact.follower, own.follower_shape);
-    require((base == geometry::ShapeKind::kSphere && geometry::has_sphere_distance(follower)) ||
-            (follower == geometry::ShapeKind::kSphere && geometry::has_sphere_distance(base)));
+    require(has_rigid_row(get_kind(contact.base, own.base_shape), get_kind(contact.follower, own.follower_shape)));
     ++pairs;
   }
   require(plan_.rigid_pairs == pairs && count_rigid_rows(plan_) <= kMostRigidRows);

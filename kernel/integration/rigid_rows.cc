@@ -283,10 +283,7 @@ int solve_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep,
   const PlanData& plan = now.plan;
   RigidScratch& s = ev.rigid;
   const bool forces = target == RigidTarget::kAcceleration;
-  if (const std::int32_t pair = collect_rigid_rows(plan, now.state, now.t, ev); pair != kNone) {
-    s.failed = plan.contact_pairs[at(pair)].contact;
-    return kRigidFailure;
-  }
+  if (!collect_rigid_rows(plan, now.state, now.t, ev)) return kRigidFailure;
   if (s.count == 0) return kNone;
   for (int r = 0; r < s.count; ++r) s.loads[at(r)] = calc_target(s.rows[at(r)], target) - apply_row(s.rows[at(r)], ev);
   keep_forces(plan, ev);

@@ -37,6 +37,7 @@ inline bool has_rigid_rows(const PlanData& plan) { return plan.rigid_pairs > 0; 
 
 // Rows of ev.rigid.rows.
 using RigidSet = std::uint64_t;  // bit r: row r
+static_assert(kMostRigidRows <= 64, "each row has a bit");
 inline constexpr RigidSet kAllRigidRows = ~RigidSet{0};
 inline bool has_rigid(RigidSet set, int r) { return (set >> r & 1) != 0; }
 // Those that were independent in the latest solution.

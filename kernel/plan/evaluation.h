@@ -150,6 +150,7 @@ struct RigidScratch {
   std::int32_t count = 0;
   std::int32_t failed = kNone;          // the contact that failed, into PlanData::contacts
   bool wedged = false;                  // and why: its friction would outgrow what its normal force decides
+  bool degenerate = false;              // or: its row is of no use, see calc_rigid_row()
   std::span<double> matrix;             // W H⁻¹ Wᵀ, n rows of n
   std::span<double> factor;             // n rows of n
   std::span<double> gram;               // n rows of n

@@ -215,6 +215,7 @@ StepReport finish(const Run& run) {
   if (report.status == StepStatus::kRigidContact) {
     report.contact = run.data.kept.evaluation.rigid.failed;
     report.wedged = run.data.kept.evaluation.rigid.wedged;
+    report.degenerate = run.data.kept.evaluation.rigid.degenerate;
   }
   report.events = run.events().fired.first(at(run.events().fired_count));
   report.audits = run.events().audits.first(at(run.events().audit_count));

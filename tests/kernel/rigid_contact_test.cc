@@ -330,7 +330,7 @@ TEST(RigidContact, TheSecondDerivativeOfTheGapIsThatOfTheDistance) {
   std::mt19937_64 random(11);
   const auto draw = [&] { return std::uniform_real_distribution<>(-1, 1)(random); };
   const auto draw_vec = [&] { return Vec3{draw(), draw(), draw()}; };
-  std::vector<geometry::Shape> shapes(7);
+  std::vector<geometry::Shape> shapes(8);
   shapes[0] = build_floor();
   shapes[1] = build_sphere(0.4);
   shapes[2].kind = geometry::ShapeKind::kCapsule;
@@ -350,14 +350,24 @@ TEST(RigidContact, TheSecondDerivativeOfTheGapIsThatOfTheDistance) {
   shapes[5].end_radius = 0.2;
   shapes[6].kind = geometry::ShapeKind::kHull;
   shapes[6].points = {{0.5, 0, 0}, {-0.5, 0.1, 0}, {0, 0.6, 0}, {0, -0.5, 0.1}, {0, 0.1, 0.5}, {0.1, 0, -0.5}};
-  int skipped = 0;
-  for (std::size_t kind = 0; kind < shapes.size(); ++kind)
+  // a long capsule and a short one against the ball's capsule: crossing, and end to end
+  shapes[7] = shapes[2];
+  shapes[7].from = {-1.5, 0.2, 0.1};
+  shapes[7].to = {1.5, -0.1, 0.2};
+  geometry::Shape capsule = shapes[2];
+  capsule.from = {0.1, -0.8, 0.2};
+  capsule.to = {-0.1, 0.7, -0.1};
+  int skipped = 0, crossed = 0, ended = 0;
+  for (std::size_t kind = 0; kind < shapes.size() + 2; ++kind)
     for (int k = 0; k < 40; ++k) {
       Model model;
       model.name = "pair";
       for (int b = 0; b < 2; ++b) model.bodies.push_back(box(b > 0 ? "ball" : "other", 1, 1, 1, 1));
       model.bodies[1].p_WB = {0, 0, 5};
-      model.surfaces = {{"other", 0, {shapes[kind]}}, {"ball", 1, {build_sphere(0.15, {0.1, -0.05, 0.2})}}};
+      const bool capsules = kind >= shapes.size();
+      const geometry::Shape& other = capsules ? shapes[kind == shapes.size() ? 2 : 7] : shapes[kind];
+      const geometry::Shape ball = capsules ? capsule : build_sphere(0.15, {0.1, -0.05, 0.2});
+      model.surfaces = {{"other", 0, {other}}, {"ball", 1, {ball}}};
       model.contacts = {touch_rigidly("pair", k % 2, 1 - k % 2)};
       Simulation s(model);
       struct Motion {
@@ -399,8 +409,22 @@ TEST(RigidContact, TheSecondDerivativeOfTheGapIsThatOfTheDistance) {
           row.bias + apply_rigid_row(row, {m[base].a, m[base].alpha}, {m[follower].a, m[follower].alpha});
       EXPECT_NEAR(row.rate, rate, kError) << "kind " << kind << ", draw " << k;
       EXPECT_NEAR(second, expected, kError) << "kind " << kind << ", draw " << k;
+      if (!capsules) continue;
+      const geometry::CompiledShape of_base = geometry::compile_shape(base == 0 ? other : ball),
+                                    of_follower = geometry::compile_shape(base == 0 ? ball : other);
+      const BodyFrame at_base = get(m[base], 0), at_follower = get(m[follower], 0);
+      const double distance =
+          geometry::calc_distance(of_base, {at_base.p, at_base.R}, of_follower, {at_follower.p, at_follower.R})
+              .distance;
+      EXPECT_NEAR(row.gap, distance, 1e-14) << "kind " << kind << ", draw " << k;
+      const Vec3 axis =
+          geometry::calc_capsule_distance(of_follower, {at_follower.p, at_follower.R}, of_base, {at_base.p, at_base.R})
+              .axis;
+      ++(norm(axis) > 0 ? crossed : ended);
     }
-  EXPECT_LT(skipped, 15);
+  EXPECT_LT(skipped, 20);
+  EXPECT_GT(crossed, 20);
+  EXPECT_GT(ended, 5);
 }
 
 TEST(RigidContact, StepsDoNotAllocate) {

@@ -285,20 +285,25 @@ TEST(RigidFriction, TheRowsOfTheSlipAreItsRates) {
   std::mt19937_64 random(13);
   const auto draw = [&] { return std::uniform_real_distribution<>(-1, 1)(random); };
   const auto draw_vec = [&] { return Vec3{draw(), draw(), draw()}; };
-  std::vector<geometry::Shape> shapes(3);
+  std::vector<geometry::Shape> shapes(4);
   shapes[0] = build_floor();
   shapes[1] = build_sphere(0.4);
   shapes[2].kind = geometry::ShapeKind::kCapsule;
   shapes[2].from = {-1.5, 0, 0};
   shapes[2].to = {1.5, 0.1, 0};
   shapes[2].radius = 0.2;
+  shapes[3] = shapes[2];
+  geometry::Shape capsule = shapes[2];  // across shapes[3]
+  capsule.from = {0.1, -0.9, -0.1};
+  capsule.to = {0, 0.8, 0.1};
   for (std::size_t kind = 0; kind < shapes.size(); ++kind)
     for (int k = 0; k < 20; ++k) {
       Model model;
       model.name = "pair";
       for (int b = 0; b < 2; ++b) model.bodies.push_back(box(b > 0 ? "ball" : "other", 1, 1, 1, 1));
       model.bodies[1].p_WB = {0, 0, 5};
-      model.surfaces = {{"other", 0, {shapes[kind]}}, {"ball", 1, {build_sphere(0.15, {0.1, -0.05, 0.2})}}};
+      const geometry::Shape ball = kind == 3 ? capsule : build_sphere(0.15, {0.1, -0.05, 0.2});
+      model.surfaces = {{"other", 0, {shapes[kind]}}, {"ball", 1, {ball}}};
       model.contacts = {touch_rigidly("pair", k % 2, 1 - k % 2)};
       model.contacts[0].friction = 0.5;
       Simulation s(model);

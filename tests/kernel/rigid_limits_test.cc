@@ -1,8 +1,11 @@
 // Rigid contacts: random systems, the limit of stiff contacts, what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "tests/support/rigid_models.h"
 #include "tests/support/simulation.h"
@@ -42,6 +45,81 @@ TEST(RigidContact, RandomStoolsOnTablesGainNoEnergy) {
   }
   EXPECT_GT(touches, 500);
 }
+
+// Builds three balls in a box of six walls, without gravity; `stiffness` 0: rigid, else with Hertz's law.
+Model build_balls_in_a_box(double stiffness) {
+  Model model;
+  model.name = "balls in a box";
+  constexpr double kHalf = 0.3, kBall = 0.1;
+  const Eigen::Vector3d places[] = {{-0.15, -0.1, 0.05}, {0.15, -0.12, -0.1}, {0.02, 0.15, 0.1}};
+  const Eigen::Vector3d speeds[] = {{3, 1.3, -2}, {-2.2, 2.7, 0.4}, {0.7, -3.1, 1.9}};
+  geometry::Shape wall = build_floor();
+  std::vector<geometry::Shape> walls;
+  for (const Vec3& inwards :
+       {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}}) {
+    wall.normal = inwards;
+    wall.from = -kHalf * inwards;
+    walls.push_back(wall);
+  }
+  model.surfaces.push_back({"walls", kGround, walls});
+  for (int b = 0; b < 3; ++b) {
+    const std::string name = "ball" + std::to_string(b);
+    model.bodies.push_back(box(name, 1 + b, 0.004 * (1 + b), 0.004 * (1 + b), 0.004 * (1 + b)));
+    model.bodies.back().p_WB = places[b];
+    model.bodies.back().v_WB = speeds[b];
+    model.surfaces.push_back({name, b, {build_sphere(kBall)}});
+  }
+  for (int follower = 1; follower <= 3; ++follower)
+    for (int base = 0; base < follower; ++base) {
+      Contact contact = touch_rigidly("contact" + std::to_string(model.contacts.size()), base, follower, 1);
+      if (stiffness > 0) {
+        contact.rigid = false;
+        contact.restitution.reset();
+        contact.stiffness = stiffness;
+        contact.exponent = 1.5;
+      }
+      model.contacts.push_back(contact);
+    }
+  add_contact_events(model);
+  return model;
+}
+
+// Flies until so many touches have been; the kinetic energy between them is that of the start, to a part `energy_error`
+// of it for each touch, and no ball is deeper in a wall than `deepest`, m.
+void expect_touches(double stiffness, int most, double energy_error, double deepest) {
+  const Model model = build_balls_in_a_box(stiffness);
+  Simulation s(model);
+  const auto calc_energy = [&] {
+    double sum = 0;
+    for (std::size_t b = 0; b < model.bodies.size(); ++b)
+      sum += 0.5 * model.bodies[b].mass * dot(s.state.bodies[b].v, s.state.bodies[b].v);
+    return sum;
+  };
+  const double before = calc_energy();
+  int touches = 0, postponed = 0;
+  for (std::int64_t tick = 0; touches < most; ++tick) {
+    const StepReport report = s.advance();
+    ASSERT_EQ(report.status, StepStatus::kOk) << "tick " << tick << ", contact " << report.contact;
+    postponed += report.postponed;
+    for (const FiredEvent& fired : report.events) touches += fired.event % 2 == 0 ? 1 : 0;
+    ASSERT_LT(tick, 100 * most) << "nothing touches any more";
+    bool apart = true;
+    for (const ContactState& pair : s.state.contacts) apart = apart && pair.closed == 0;
+    if (apart) {
+      ASSERT_NEAR(calc_energy(), before, energy_error * (touches + 1) * before)
+          << "tick " << tick << ", touches " << touches;
+    }
+    for (const BodyState& ball : s.state.bodies)
+      ASSERT_LT(std::max({std::abs(ball.p.x), std::abs(ball.p.y), std::abs(ball.p.z)}), 0.2 + deepest)
+          << "tick " << tick;
+  }
+  EXPECT_EQ(postponed, 0);
+}
+
+TEST(RigidContact, AHundredThousandTouchesLeaveNoStepStuck) { expect_touches(0, 100000, 1e-14, 1e-9); }
+
+TEST(CompliantContact, TenThousandTouchesLeaveNoStepStuck) { expect_touches(1e7, 10000, 2e-6, 0.02); }
+TEST(LongCompliantContact, AHundredThousandTouchesLeaveNoStepStuck) { expect_touches(1e7, 100000, 2e-6, 0.02); }
 
 // The same rod on a floor of the stiffness k: the vibration that it begins with, m g / k, is what it differs by.
 TEST(RigidContact, ItIsTheLimitOfStiffContacts) {

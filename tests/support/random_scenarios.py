@@ -108,7 +108,7 @@ class ScenarioDraw:
                                  "friction": draw.choice((0, 0.3)), "slip_speed": 0.1, "enabled": draw.random() < 0.9,
                                  **draw.choice(({}, {"damping": 0.2}, {"restitution": {"coefficient": 0.5, "speed": 1}}))}
         if contacts:
-            self.scenario["step"]["contact_substeps"] = draw.choice((1, 2, 8))
+            self.scenario["step"]["contact_substeps"] = draw.choice((1, 2, 8, "auto"))
         if pairs and draw.random() < 0.5:
             self.watched = self.scenario["clearance"] = draw.sample(pairs, min(len(pairs), 2))
 
@@ -125,7 +125,7 @@ class ScenarioDraw:
         bodies["stool"] = {"mass": mass, "inertia": [round(mass * j, 4) for j in (0.02, 0.025, 0.03)], "position": [60, 0, 0.6],
                            "velocity": draw_vector(draw, 0.5)[:2] + [-1], "rate": draw_vector(draw, 1), "shape": feet}
         self.scenario["contacts"]["rigid"] = {"between": ["table", "stool"], "rigid": True, "restitution": draw.choice((0, 0.3, 0.8, 1)),
-                                              **draw.choice(({}, {"settle": 0.002}))}
+                                              **draw.choice(({}, {"settle": 0.002})), **draw.choice(({}, {"friction": 0.3}))}
         self.scenario["elements"]["press"] = {"type": "force", "body": "stool", "frame": "world", "direction": [0, 0, -1],
                                               "profile": draw_profile(draw, 10 * mass)}
 

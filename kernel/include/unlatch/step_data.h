@@ -63,6 +63,7 @@ struct StepReport {
   TableExit exit{};                     // likewise: the axis and the coordinate
   std::int32_t contact = kNone;         // kRigidContact: index of the contact
   bool wedged = false;                  // likewise: its friction leaves its normal force undecided (Painlevé)
+  bool degenerate = false;              // likewise: shapes overlap beyond their radii, or axes of capsules are parallel
   std::int32_t settled = 0;             // bounces of rigid contacts whose flight would be shorter than Contact::settle
   std::int32_t settling = kNone;        // index of the contact of the latest of these
   double yielded = 0;                   // part of the speeds to which a blow on rough feet is known, the worst of them

@@ -7,12 +7,7 @@
 namespace unlatch {
 namespace {
 
-bool is_fit(const geometry::Shape& a, const geometry::Shape& b) {
-  const bool sphere_a = a.kind == geometry::ShapeKind::kSphere, sphere_b = b.kind == geometry::ShapeKind::kSphere;
-  return (sphere_a && geometry::has_sphere_distance(b.kind)) || (sphere_b && geometry::has_sphere_distance(a.kind));
-}
-
-// The first pair that is no sphere and a convex shape or half-space.
+// The first pair that has no row.
 void check_shapes(const Contact& c, const Check& check) {
   if (!is_index(c.base, check.model.surfaces.size()) || !is_index(c.follower, check.model.surfaces.size())) return;
   const Surface &base = check.model.surfaces[at(c.base)], &follower = check.model.surfaces[at(c.follower)];
@@ -25,12 +20,13 @@ void check_shapes(const Contact& c, const Check& check) {
     for (std::size_t k = 0; k < follower.shapes.size(); ++k) {
       const std::pair pair(static_cast<int>(i), static_cast<int>(k));
       if (std::find(c.except.begin(), c.except.end(), pair) != c.except.end()) continue;
-      if (is_fit(base.shapes[i], follower.shapes[k])) continue;
+      if (has_rigid_row(base.shapes[i].kind, follower.shapes[k].kind)) continue;
       return check.report("it is rigid, and neither shape " + std::to_string(i + 1) + " of '" + base.name +
                               "' nor shape " + std::to_string(k + 1) + " of '" + follower.name +
-                              "' is a sphere, or the other is hollow",
+                              "' is a sphere, or the other is hollow; nor are both capsules",
                           "spheres on one side, such as the ends of a rod or the feet of a box, and convex shapes or a "
-                          "half-space on the other; or a stiffness instead of `rigid`",
+                          "half-space on the other; or capsules on both, which cross; or a stiffness instead of "
+                          "`rigid`",
                           "between");
     }
 }

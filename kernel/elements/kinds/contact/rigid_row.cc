@@ -19,13 +19,19 @@ double calc_wrench_mobility(const PlanShapes& shapes, const BodyFrame& body, con
   return shapes.inverse_mass * dot(wrench.lin, wrench.lin) + dot(turn, shapes.inverse_inertia * turn);
 }
 
-// A pair of a sphere, which one of the bodies carries, and another shape, which the other does.
+// Square of the sine of the least angle between the axes of two capsules whose pair has a row.
+constexpr double kLeastCrossing = 1e-6;
+
+// A pair of a sphere or capsule, which one of the bodies carries, and another shape, which the other does.
 struct SpherePair {
   geometry::SphereDistance d;
-  bool follows;  // the follower carries the sphere; of two spheres that is the one
+  bool usable;
+  bool follows;  // the follower carries the sphere; of two spheres or capsules that is the one
   double radius;
   BodyFrame carrier, other;
-  Vec3 u;  // v_S(x) − v_O(x)
+  Vec3 u;            // v_S(x) − v_O(x)
+  Vec3 slide;        // σ
+  Vec3 normal_rate;  // n', seen from O
 };
 
 Vec3 calc_place_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
@@ -35,14 +41,27 @@ SpherePair calc_sphere_pair(const PlanData& plan, std::int32_t pair, const BodyF
   const PlanContact& contact = plan.contacts[at(own.contact)];
   const geometry::ShapeView on_base = get_shape(plan, plan.shapes[at(contact.base)], own.base_shape),
                             on_follower = get_shape(plan, plan.shapes[at(contact.follower)], own.follower_shape);
-  const bool follows = on_follower.numbers.kind == geometry::ShapeKind::kSphere;
+  const bool capsules = on_follower.numbers.kind == geometry::ShapeKind::kCapsule &&
+                        on_base.numbers.kind == geometry::ShapeKind::kCapsule;
+  const bool follows = capsules || on_follower.numbers.kind == geometry::ShapeKind::kSphere;
   const BodyFrame &carrier = follows ? follower : base, &other = follows ? base : follower;
   const geometry::ShapeView &sphere = follows ? on_follower : on_base, &shape = follows ? on_base : on_follower;
-  const geometry::SphereDistance d =
-      geometry::calc_sphere_distance(sphere, get_placement(carrier), shape, get_placement(other));
+  geometry::CapsuleDistance of;
+  if (capsules)
+    of = geometry::calc_capsule_distance(sphere, get_placement(carrier), shape, get_placement(other));
+  else
+    of.sphere = geometry::calc_sphere_distance(sphere, get_placement(carrier), shape, get_placement(other));
+  const geometry::SphereDistance& d = of.sphere;
   const Vec3 arm = d.centre - carrier.p, other_arm = d.centre - other.p;
   const Vec3 u = (carrier.v + cross(carrier.w, arm)) - (other.v + cross(other.w, other_arm));
-  return {d, follows, sphere.numbers.r0, carrier, other, u};
+  const Vec3 turned = d.calc_normal_rate(of.axis);  // (dn/dx) a
+  const double crossing = dot(of.axis, turned);
+  const bool slides = capsules && dot(of.axis, of.axis) > 0;
+  const bool usable = d.outside && (!slides || crossing > kLeastCrossing * d.bend);
+  Vec3 slide{0, 0, 0};
+  if (slides && usable)
+    slide = (-(dot(turned, u) + dot(d.normal, cross(carrier.w - other.w, of.axis))) / crossing) * of.axis;
+  return {d, usable, follows, sphere.numbers.r0, carrier, other, u, slide, d.calc_normal_rate(u + slide)};
 }
 
 // A row of unit wrenches along `along`, at `place` of both bodies; without its numbers.
@@ -97,14 +116,14 @@ bool calc_rigid_row(const PlanData& plan, std::int32_t pair, const BodyFrame& ba
                     RigidRow& row) noexcept {
   const SpherePair s = calc_sphere_pair(plan, pair, base, follower);
   const geometry::SphereDistance& d = s.d;
-  if (!d.outside) return false;
+  if (!s.usable) return false;
   set_rigid_row(plan, pair, s, d.centre, d.normal, row);
   const Vec3 arm = d.centre - s.carrier.p, other_arm = d.centre - s.other.p;
   row.gap = d.distance;
   row.rate = dot(d.normal, s.u);
   row.bias = dot(d.normal, calc_centripetal(s.carrier, arm) - calc_centripetal(s.other, other_arm) -
-                               2.0 * cross(s.other.w, s.u)) +
-             dot(s.u, d.calc_normal_rate(s.u));
+                               2.0 * cross(s.other.w, s.u) + cross(s.carrier.w - s.other.w, s.slide)) +
+             dot(s.u, s.normal_rate);
   return true;
 }
 
@@ -117,7 +136,7 @@ void calc_slip_rows(const PlanData& plan, const ContactState& state, const Vec3&
   const Vec3 of_carrier = calc_place_velocity(s.carrier, place), of_other = calc_place_velocity(s.other, place);
   const Vec3 slip = of_carrier - of_other;
   const Vec3 way =
-      calc_place_velocity(s.carrier, s.d.centre) - s.radius * (cross(s.other.w, n) + s.d.calc_normal_rate(s.u));  // c'
+      calc_place_velocity(s.carrier, s.d.centre) + s.slide - s.radius * (cross(s.other.w, n) + s.normal_rate);  // c'
   const Vec3 carried =
       cross(s.carrier.w, way) - cross(s.carrier.w, s.carrier.v) - (cross(s.other.w, way) - cross(s.other.w, s.other.v));
   const Vec3 first = choose_across(n, reference);
@@ -135,7 +154,7 @@ void calc_slip_rows(const PlanData& plan, const ContactState& state, const Vec3&
   set_slide(rows);
 }
 
-std::int32_t collect_rigid_rows(const PlanData& plan, const State& state, double t, Evaluation& ev) noexcept {
+bool collect_rigid_rows(const PlanData& plan, const State& state, double t, Evaluation& ev) noexcept {
   ev.rigid.count = 0;
   for (const PlanContact& contact : plan.contacts) {
     if (!contact.rigid || calc_scale(state.elements[at(contact.element)], t) == 0) continue;
@@ -144,14 +163,18 @@ std::int32_t collect_rigid_rows(const PlanData& plan, const State& state, double
       const BodyFrame base = get_body_frame(ev, plan.shapes[at(contact.base)].body),
                       follower = get_body_frame(ev, plan.shapes[at(contact.follower)].body);
       RigidRow* const rows = &ev.rigid.rows[at(ev.rigid.count)];
-      if (!calc_rigid_row(plan, i, base, follower, *rows)) return i;
+      if (!calc_rigid_row(plan, i, base, follower, *rows)) {
+        ev.rigid.failed = plan.contact_pairs[at(i)].contact;
+        ev.rigid.degenerate = true;
+        return false;
+      }
       ++ev.rigid.count;
       if (!(contact.friction > 0)) continue;
       calc_slip_rows(plan, state.contacts[at(i)], state.rigid_slips[at(i)], base, follower, rows);
       ev.rigid.count += 2;
     }
   }
-  return kNone;
+  return true;
 }
 
 double calc_slip_acceleration(const Evaluation& ev, const RigidRow* rows) noexcept {
