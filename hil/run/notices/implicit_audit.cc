@@ -96,8 +96,9 @@ void ImplicitAudit::update() {
 
 double ImplicitAudit::calc_least_force(const Spring& spring) const {
   double farthest = 0;
-  for (const int body : list_element_bodies(simulation_.model(), spring.element))
-    farthest = std::max(farthest, norm(simulation_.state().bodies[at(body)].p));
+  const ElementTraits traits = describe_element(simulation_.model(), spring.element);
+  for (const int body : {traits.base, traits.follower})
+    if (body != kGround) farthest = std::max(farthest, norm(simulation_.state().bodies[at(body)].p));
   const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * farthest;
   return std::max(kSteadyPart * spring.greatest, spring.stiffness * std::max(kLeastDeflection, rounding));
 }
