@@ -2,6 +2,7 @@
 // time (law_courses.cc).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -15,21 +16,45 @@
 
 namespace unlatch {
 
+// What the `subject` of a kind of step is.
+enum class LawSubject { kUnknown, kNothing, kExponent, kQuantity, kChannel, kTable };
+
 // What a kind of step takes from the stack. All put one value there.
 struct LawOperands {
   std::int32_t takes;  // values; of a table none here: one for each of its axes
   bool decides;        // it has a branch, or a corner: what decides it is kept in Evaluation::law_places
+  LawSubject of;       // its subject
 };
 // By LawStep::Kind.
 inline constexpr LawOperands kLawOperands[] = {
-    {0, false}, {0, false}, {0, false}, {0, false},                          // constant, quantity, command, table
-    {2, false}, {2, false}, {2, false}, {2, false},                          // add, subtract, multiply, divide
-    {1, false}, {1, false}, {1, false}, {1, true},                           // power, negate, sqrt, abs
-    {1, false}, {1, false}, {1, false}, {1, false}, {1, false}, {1, false},  // sin, cos, tan, asin, acos, atan
-    {2, false}, {1, false}, {1, false},                                      // atan2, exp, log
-    {2, true},  {2, true},  {4, true},                                       // min, max, if_less
+    {0, false, LawSubject::kNothing},   // constant
+    {0, false, LawSubject::kQuantity},  // quantity
+    {0, false, LawSubject::kChannel},   // command
+    {0, false, LawSubject::kTable},     // table
+    {2, false, LawSubject::kNothing},   // add
+    {2, false, LawSubject::kNothing},   // subtract
+    {2, false, LawSubject::kNothing},   // multiply
+    {2, false, LawSubject::kNothing},   // divide
+    {1, false, LawSubject::kExponent},  // power
+    {1, false, LawSubject::kNothing},   // negate
+    {1, false, LawSubject::kNothing},   // sqrt
+    {1, true, LawSubject::kNothing},    // abs
+    {1, false, LawSubject::kNothing},   // sin
+    {1, false, LawSubject::kNothing},   // cos
+    {1, false, LawSubject::kNothing},   // tan
+    {1, false, LawSubject::kNothing},   // asin
+    {1, false, LawSubject::kNothing},   // acos
+    {1, false, LawSubject::kNothing},   // atan
+    {2, false, LawSubject::kNothing},   // atan2
+    {1, false, LawSubject::kNothing},   // exp
+    {1, false, LawSubject::kNothing},   // log
+    {2, true, LawSubject::kNothing},    // min
+    {2, true, LawSubject::kNothing},    // max
+    {4, true, LawSubject::kNothing},    // if_less
 };
 static_assert(std::size(kLawOperands) == static_cast<std::size_t>(LawStep::Kind::kIfLess) + 1);
+static_assert(std::ranges::none_of(kLawOperands, [](const LawOperands& own) { return own.of == LawSubject::kUnknown; }),
+              "each row says what its subject is");
 constexpr const LawOperands& get_operands(LawStep::Kind kind) { return kLawOperands[static_cast<std::size_t>(kind)]; }
 
 // value · scale · command + offset + command

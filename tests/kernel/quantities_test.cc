@@ -216,5 +216,17 @@ TEST(Quantities, TheTableHasARowForEachKindAndUniqueNames) {
   EXPECT_EQ(count_quantity_kinds(), static_cast<int>(Kind::kOrbitVelocity) + 1);
 }
 
+TEST(Quantities, EachKindSaysWhatMotionDecidesItAndOneThatDoesNotDependsOnAll) {
+  EXPECT_EQ(QuantityTraits{}.motion, QuantityMotion::kOfAll);
+  for (int i = 0; i < count_quantity_kinds(); ++i) {
+    const QuantityTraits& traits = get_traits(static_cast<Kind>(i));
+    const std::string unit = traits.unit;
+    EXPECT_NE(traits.motion, QuantityMotion::kOfAll) << traits.name;
+    if (unit == "m/s" && traits.kind != Kind::kSpeedOfSound) {
+      EXPECT_EQ(traits.motion, QuantityMotion::kSpeeds) << traits.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace unlatch::test

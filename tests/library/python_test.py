@@ -150,6 +150,21 @@ class PythonTest(ProcessTest):
         self.assertRaises(ValueError, unlatch.read_recording, log, every=0)
         self.assertRaises(unlatch.FileError, unlatch.read_recording, BOOSTERS)
 
+    def test_a_recording_whose_body_is_named_as_a_kind_of_columns_is_tabulated(self):
+        scenario, log, exported = (self.folder / name for name in ("kinds.yaml", "kinds.log", "kinds.csv"))
+        bodies = "".join(f"  {name}: {{mass: 1, inertia: [1, 1, 1], position: [0, {at}, 0], velocity: [{at}, 0, 0]}}\n"
+                         for at, name in enumerate(("sensor", "channel", "x"), 1))
+        scenario.write_text("unlatch: 1\nname: kinds\nstep: {dt: 10 ms, until: 0.1}\nbodies:\n" + bodies +
+                            "quantities: {place: {position: {body: x, component: x}}}\n"
+                            "sensors: {x: {type: quantity, quantity: place}}\nchannels: {x: {initial: 0.5}}\n")
+        self.run_ok(BIN / "unlatch", "run", scenario, "--log", log)
+        self.run_ok(BIN / "unlatch", "export", log, "--format", "csv", "--out", exported)
+        table, wanted = unlatch.read_recording(log), unlatch.read_table(exported)
+        for column in ("sensor.x", "channel.x", "x.x", "sensor.sensor.x", "command.channel.x"):
+            np.testing.assert_array_equal(table[column], wanted[column], column)
+        self.assertAlmostEqual(table["sensor.sensor.x"][-1], 0.3)
+        self.assertEqual(set(table["command.channel.x"]), {0.5})
+
     def test_the_table_of_a_campaign_is_numpy_and_pandas(self):
         campaign, folder = SOURCE / "hil/scenarios/boosters/campaign.yaml", self.folder / "campaign"
         self.run_ok(BIN / "unlatch", "campaign", campaign, "--out", folder, "--samples", "0:6", "--set", "step.until=0.8", code=None)

@@ -84,9 +84,11 @@ std::string find_binary(const ZipFile& zip, const Description& description) {
   throw FmuError("it has no " + wanted + "; it has binaries for: " + (list.empty() ? "nothing" : list));
 }
 
-// "sensors.gyro.x" without "sensors."
-std::string strip(const std::string& name, const std::string& prefix) {
-  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+// "sensors.gyro.x" without "sensors.", the first of these prefixes that it has.
+std::string strip(const std::string& name, std::initializer_list<const char*> prefixes) {
+  for (const std::string prefix : prefixes)
+    if (name.starts_with(prefix)) return name.substr(prefix.size());
+  return name;
 }
 
 struct StatePart {
@@ -134,7 +136,7 @@ class Controller final : public fsw::ControlLaw {
                      ", which is no sensor and no state (--map gives it another name)";
       } else if (variable.causality == Variable::Causality::kOutput) {
         const std::string name = get_name(variable);
-        const int channel = vehicle.find_channel(strip(name, "channels."));
+        const int channel = vehicle.find_channel(strip(name, {"channels.", "channel."}));
         if (channel >= 0) outputs_.push_back({&variable, channel, std::nullopt});
         if (channel < 0 && names_.contains(variable.name) && name != kUnconnected)
           missing += (missing.empty() ? "" : ", ") + ("output '" + variable.name) + "', mapped to '" + name +
@@ -229,9 +231,9 @@ class Controller final : public fsw::ControlLaw {
   }
 
   static std::optional<Input> find_input(const Variable& variable, const std::string& called, const Vehicle& vehicle) {
-    const int sensor = vehicle.find_sensor(strip(called, "sensors."));
+    const int sensor = vehicle.find_sensor(strip(called, {"sensors.", "sensor.", "received."}));
     if (sensor >= 0) return Input{&variable, [sensor](const Vehicle& v) { return v.get_sensor(sensor); }};
-    const std::string name = strip(called, "bodies.");
+    const std::string name = strip(called, {"bodies."});
     for (const StatePart& part : kStateParts) {
       const std::string ending = std::string(".") + part.name;
       if (!name.ends_with(ending)) continue;

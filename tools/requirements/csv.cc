@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "hil/scenario/text/suggestion.h"
 #include "tools/common/text.h"
 #include "tools/requirements/requirement_list.h"
 
@@ -52,6 +53,13 @@ std::vector<Row> split(std::string_view text, char separator) {
   return rows;
 }
 
+// Of two columns with one name, nothing says which is meant.
+void refuse_second(const Row& head, std::size_t column) {
+  for (std::size_t other = column + 1; other < head.size(); ++other)
+    if (hil::to_lower(head[other]) == hil::to_lower(head[column]))
+      throw RequirementError("line 1 has a second column '" + to_line(head[other]) + "'; give each its own name");
+}
+
 }  // namespace
 
 std::string write_requirements(const std::vector<ListedRequirement>& list) {
@@ -74,6 +82,7 @@ std::vector<ListedRequirement> read_requirements(const std::string& text, const 
   if (id == head.size() || of_text == head.size())
     throw RequirementError("line 1 has no column for the " + std::string(id == head.size() ? "identifier" : "text") +
                            "; name it with --" + (id == head.size() ? "id" : "text"));
+  for (const std::size_t column : {id, of_text, parent, rationale}) refuse_second(head, column);
   std::vector<ListedRequirement> list;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const auto get = [&](std::size_t column) { return column < rows[i].size() ? rows[i][column] : std::string(); };

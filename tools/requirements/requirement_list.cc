@@ -94,6 +94,8 @@ ImportedPart write_part(const std::vector<ListedRequirement>& list, const hil::S
       if (!one.rationale.empty()) others += "#     rationale: " + quote(one.rationale) + "\n";
       continue;
     }
+    if (std::ranges::count(list, one.id, &ListedRequirement::id) > 1)
+      throw RequirementError("requirement '" + one.id + "' stands there more than once; give each its own identifier");
     ++part.set;
     const auto add = [&](const char* key, const std::string& value) {
       if (!value.empty()) sets += "  requirements." + one.id + "." + key + ": " + quote(value) + "\n";

@@ -31,14 +31,13 @@ class BodyLinks {
   void spread(std::vector<double>& times, std::vector<int>& sources) const;
 
  private:
-  enum class Kind { kJoint, kElement, kContact, kOneSided, kEvent, kCommand };
+  enum class Kind { kJoint, kElement, kEvent, kCommand };
   struct Period {
     double from = 0, until = kNever;  // s
   };
   struct Link {
     Kind kind = Kind::kJoint;
-    int subject = 0;       // in the model's list of its kind
-    int element = -1;      // in the one numbering of elements
+    int subject = 0;       // joint or event; of an element its number among all of them
     int a = 0, b = 0;      // from a to b, and
     bool returns = false;  // from b to a
     std::vector<Period> periods{};
@@ -46,8 +45,8 @@ class BodyLinks {
   // More periods of one link are joined, with those between.
   static constexpr std::size_t kMostPeriods = 16;
 
-  void add(Kind kind, int subject, int element, const std::vector<int>& pair);
-  void add_ways(Kind kind, int subject, int element, const std::vector<int>& from, const std::vector<int>& to);
+  void add(Kind kind, int subject, const std::vector<int>& pair);
+  void add_ways(Kind kind, int subject, const std::vector<int>& from, const std::vector<int>& to);
   [[nodiscard]] bool is_on(const Link& link, const State& state) const;
 
   const Model& model_;

@@ -27,19 +27,8 @@ void UnresolvedBodies::add_passed(int body, const std::string& cause, double fro
     if (times[b] <= until) passed_.push_back({static_cast<int>(b), times[b], until, cause});
 }
 
-void UnresolvedBodies::add_speed(int joint, const std::string& cause, double from, double until) {
-  speeds_.push_back({joint, from, until, cause});
-}
-
-bool UnresolvedBodies::reads(const Requirement& requirement, const Speed& speed) const {
-  using Measure = Requirement::Measure;
-  if (requirement.quantity == Measure::kSpeed) return requirement.a == speed.joint;
-  if (requirement.quantity != Measure::kVelocity && requirement.quantity != Measure::kRate) return false;
-  std::vector<int> pair = list_pair(model_, requirement.a, requirement.b);
-  std::vector<int> joint = list_joint_bodies(model_, speed.joint);
-  std::ranges::sort(pair);
-  std::ranges::sort(joint);
-  return pair == joint;
+void UnresolvedBodies::add_speed(std::span<const int> bodies, const std::string& cause, double from, double until) {
+  speeds_.push_back({{bodies.begin(), bodies.end()}, from, until, cause});
 }
 
 void UnresolvedBodies::spread(const BodyLinks& links) {
@@ -54,7 +43,8 @@ void UnresolvedBodies::spread(const BodyLinks& links) {
 
 std::string UnresolvedBodies::find_cause(const Requirement& requirement, double until, double time) const {
   for (const Speed& speed : speeds_)
-    if (reads(requirement, speed) && speed.from <= until && time <= speed.until) return speed.cause;
+    if (reads_speed(model_, requirement, speed.bodies) && speed.from <= until && time <= speed.until)
+      return speed.cause;
   if (first_ == kNever && passed_.empty()) return "";
   const Entry* first = nullptr;
   const std::vector<int> bodies = list_bodies(model_, requirement);

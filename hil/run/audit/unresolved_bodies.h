@@ -22,9 +22,9 @@ class UnresolvedBodies {
   void add(std::span<const int> bodies, const std::string& cause, double time);
   // Adds a cause that this body had from one time until another, s, and has no more: values of that while depend on it.
   void add_passed(int body, const std::string& cause, double from, double until, const BodyLinks& links);
-  // Adds a cause that the speed of this joint had, and the velocity of its bodies relative to each other, but nothing
+  // Adds a cause that the velocities of these bodies relative to each other had, or how fast one deforms, but nothing
   // else: between two times, s. For requirements on these.
-  void add_speed(int joint, const std::string& cause, double from, double until);
+  void add_speed(std::span<const int> bodies, const std::string& cause, double from, double until);
   // Spreads causes through the links of the whole run so far.
   void spread(const BodyLinks& links);
 
@@ -45,11 +45,10 @@ class UnresolvedBodies {
   };
 
   struct Speed {
-    int joint = 0;
+    std::vector<int> bodies;
     double from = 0, until = 0;  // s
     std::string cause;
   };
-  [[nodiscard]] bool reads(const Requirement& requirement, const Speed& speed) const;
 
   const Model& model_;
   std::vector<Entry> bodies_;

@@ -59,8 +59,11 @@ ImplicitAudit::ImplicitAudit(const Simulation& simulation) : simulation_(simulat
       const double omega = flexible.frequencies[i];
       modes.squares.push_back(omega * omega);
       modes.overshoots.push_back(dt * omega > kAccurate ? calc_overshoot(flexible.damping[i]) : 0);
+      modes.memories.push_back(calc_memory(dt * omega, 2 * flexible.damping[i] * dt * omega));
     }
     modes.courses.resize(modes.squares.size());
+    modes.own_forces.resize(modes.squares.size());
+    modes.own_speeds.resize(modes.squares.size());
     modes_.push_back(std::move(modes));
   }
 }
@@ -93,8 +96,9 @@ void ImplicitAudit::update() {
 
 double ImplicitAudit::calc_least_force(const Spring& spring) const {
   double farthest = 0;
-  for (const int body : list_element_bodies(simulation_.model(), spring.element))
-    farthest = std::max(farthest, norm(simulation_.state().bodies[at(body)].p));
+  const ElementTraits traits = describe_element(simulation_.model(), spring.element);
+  for (const int body : {traits.base, traits.follower})
+    if (body != kGround) farthest = std::max(farthest, norm(simulation_.state().bodies[at(body)].p));
   const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * farthest;
   return std::max(kSteadyPart * spring.greatest, spring.stiffness * std::max(kLeastDeflection, rounding));
 }
@@ -121,18 +125,24 @@ void ImplicitAudit::update(Spring& spring) {
 
 void ImplicitAudit::update(Modes& modes) {
   const std::span<const double> eta = get_modal_coordinates(simulation_.plan(), simulation_.state(), modes.body);
-  if (!begun_) modes.starts.assign(eta.begin(), eta.end());
-  double force = 0, change = 0, jump = 0;
+  const std::span<const double> rates = get_modal_rates(simulation_.plan(), simulation_.state(), modes.body);
+  if (!begun_) {
+    modes.starts.assign(eta.begin(), eta.end());
+    modes.start_rates.assign(rates.begin(), rates.end());
+  }
+  double force = 0, change = 0, jump = 0, speed = 0;
   for (std::size_t i = 0; i < modes.squares.size(); ++i) {
     const double own = modes.squares[i] * eta[i], moved = modes.squares[i] * (eta[i] - modes.starts[i]);
     force += own * own;
     change += moved * moved;
+    speed += (rates[i] - modes.start_rates[i]) * (rates[i] - modes.start_rates[i]);
     if (!begun_) modes.courses[i].restart(own);
     const double difference = 0.5 * modes.overshoots[i] * modes.courses[i].move(own);
     jump += difference * difference;
   }
   modes.greatest = std::max(modes.greatest, std::sqrt(force));
   modes.forces.change = std::max({modes.forces.change, std::sqrt(change), kSteadyPart * modes.greatest});
+  modes.speeds.change = std::max({modes.speeds.change, std::sqrt(speed), kLeastSpeed});
   modes.jump = std::max(modes.jump, std::sqrt(jump));
   judge(modes.forces, std::max(modes.forces.error, modes.jump), 1);
 }
@@ -144,25 +154,36 @@ void ImplicitAudit::compare(const Plan& halved, const State& state, const Worksp
     const double force = std::abs(full.force - half.force), rate = std::abs(full.rate - half.rate);
     const double dt = simulation_.plan().get_options().dt;
     const double memory = calc_memory(dt * spring.omega, dt * spring.decay);
-    spring.forces.error *= std::pow(memory, between + 1);
-    spring.speeds.error *= std::pow(memory, between + 1);
-    const double remembered = memory < 1 ? std::min(between, 1 / (1 - memory)) : between;
-    spring.forces.add(force, remembered);
-    spring.speeds.add(rate, remembered);
+    spring.forces.add(force, memory, between);
+    spring.speeds.add(rate, memory, between);
     judge(spring.forces, std::max(spring.forces.error, spring.jump), between + 1);
     judge(spring.speeds, spring.speeds.error, between + 1);
   }
   for (Modes& modes : modes_) {
-    const std::span<const double> full = get_modal_coordinates(simulation_.plan(), simulation_.state(), modes.body);
-    const std::span<const double> half = get_modal_coordinates(halved, state, modes.body);
-    double error = 0;
-    for (std::size_t i = 0; i < modes.squares.size(); ++i) {
-      const double own = modes.squares[i] * (full[i] - half[i]);
-      error += own * own;
-    }
-    modes.forces.add(std::sqrt(error), between);
+    const auto subtract = [&](const auto& get, std::vector<double>& to) {
+      const std::span<const double> full = get(simulation_.plan(), simulation_.state(), modes.body);
+      const std::span<const double> half = get(halved, state, modes.body);
+      to.resize(full.size());
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] = full[i] - half[i];
+    };
+    subtract(get_modal_coordinates, modes.differences);
+    for (std::size_t i = 0; i < modes.squares.size(); ++i) modes.differences[i] *= modes.squares[i];
+    modes.forces.error = add(modes.own_forces, modes, between);
+    subtract(get_modal_rates, modes.differences);
+    modes.speeds.error = add(modes.own_speeds, modes, between);
     judge(modes.forces, std::max(modes.forces.error, modes.jump), between + 1);
+    judge(modes.speeds, modes.speeds.error, between + 1);
   }
+}
+
+// Adds the differences of all modes to their errors, each as it forgets them; returns the size of all.
+double ImplicitAudit::add(std::vector<Sum>& own, const Modes& modes, double between) {
+  double all = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    own[i].add(std::abs(modes.differences[i]), modes.memories[i], between);
+    all += own[i].error * own[i].error;
+  }
+  return std::sqrt(all);
 }
 
 // `ticks`: within which the error came up.
@@ -199,8 +220,13 @@ std::vector<ImplicitError> ImplicitAudit::list(bool passed) const {
     if (all.empty() || all.back().element != spring.element)
       list(spring.speeds, spring.speeds.error, speed, passed, all);
   }
-  for (const Modes& modes : modes_)
-    list(modes.forces, std::max(modes.forces.error, modes.jump), {.body = modes.body, .size = modes.size}, passed, all);
+  for (const Modes& modes : modes_) {
+    const ImplicitError own{.body = modes.body, .size = modes.size};
+    list(modes.forces, std::max(modes.forces.error, modes.jump), own, passed, all);
+    ImplicitError speed = own;
+    speed.of_speed = true;
+    if (all.empty() || all.back().body != modes.body) list(modes.speeds, modes.speeds.error, speed, passed, all);
+  }
   return all;
 }
 

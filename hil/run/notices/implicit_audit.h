@@ -8,11 +8,12 @@
 // it for one that swings slowly at Ω, times the overshoot of the spring's own damping, exp(−πζ/√(1 − ζ²)), or that of
 // the method, 0.21; and the difference from two half steps, summed as the method forgets it. Of its speed: the latter
 // alone. Compared with the largest change of the same value since the start. Of a flexible body: the modal forces ω²η,
-// those of the modes that the step does not resolve against those of all. Cost: a reading for each such spring or mode
-// and tick; nothing without them.
+// overshoots of those of the modes that the step does not resolve against those of all, and the modal rates. Cost: a
+// reading for each such spring or mode and tick; nothing without them.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -27,8 +28,8 @@ struct ImplicitError {
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   int element = kNone;    // the spring, in the one numbering of elements; or
   int body = kNone;       // the flexible body
-  bool of_speed = false;  // the speed of the spring's coordinate is wrong, and its force is not
-  double error = 0;       // N or N m; of modes N/kg^0.5; of a speed m/s or rad/s
+  bool of_speed = false;  // the speed of the spring's coordinate, or of the modes, is wrong, and its force is not
+  double error = 0;       // N or N m; of modes N/kg^0.5; of a speed m/s or rad/s, of modes kg^0.5 m/s
   double change = 1;      // largest change of the same value since the start
   double size = 0;        // h·ω or h·decay, the largest so far
   double time = kNever;   // s, since when it is beyond the limit
@@ -70,8 +71,10 @@ class ImplicitAudit {
     double error = 0, change = 0, latest = 0;
     double time = kNever, from = kNever;
     double passed_from = kNever, passed_until = kNever;
-    void add(double own, double between) {
-      error += own + between * std::min(own, latest);
+    // The difference that a step makes; `memory`: what a step leaves of it; `between`: ticks since the one before.
+    void add(double own, double memory, double between) {
+      const double remembered = memory < 1 ? std::min(between, 1 / (1 - memory)) : between;
+      error = error * std::pow(memory, between + 1) + own + remembered * std::min(own, latest);
       latest = own;
     }
   };
@@ -87,15 +90,19 @@ class ImplicitAudit {
   struct Modes {
     int body = kNone;
     double size = 0;
-    std::vector<double> squares{}, overshoots{}, starts{};  // ω², 1/s²; of modes that the step resolves no overshoot
+    // Of each mode: ω², 1/s²; its overshoot, 0 if the step resolves it; what a step leaves of an error; at the start.
+    std::vector<double> squares{}, overshoots{}, memories{}, starts{}, start_rates{};
     std::vector<Course> courses{};
+    std::vector<Sum> own_forces{}, own_speeds{};  // of each mode: the errors alone
+    std::vector<double> differences{};            // of a step from two half steps
     double greatest = 0, jump = 0;
-    Sum forces{};
+    Sum forces{}, speeds{};
   };
 
   void update(Spring& spring);
   void update(Modes& modes);
   void judge(Sum& sum, double error, double ticks) const;
+  static double add(std::vector<Sum>& own, const Modes& modes, double between);
   [[nodiscard]] double calc_least_force(const Spring& spring) const;
   static void list(const Sum& sum, double error, ImplicitError own, bool passed, std::vector<ImplicitError>& list);
   [[nodiscard]] std::vector<ImplicitError> list(bool passed) const;

@@ -45,6 +45,11 @@ const std::string& NoticeWatch::get_subject(const ImplicitError& error) const {
 
 std::string NoticeWatch::describe(const ImplicitError& error) const {
   const double step = kRoundedDown * dt_ * std::min(kAccurate / error.size, 0.5);
+  if (error.element == kNone && error.of_speed)
+    return format(
+        "its modes are not resolved (dt·omega up to %.3g), and how fast it deforms is wrong by some %.2g of its "
+        "largest change; a step of %.3g s resolves them",
+        error.size, error.error / error.change, step);
   if (error.element == kNone)
     return format(
         "the modes that the step does not resolve (dt·omega up to %.3g) keep their mean, not their overshoot: %.2g of "
@@ -70,16 +75,15 @@ std::vector<int> NoticeWatch::list_bodies(const ImplicitError& error) const {
 
 // Something but a requirement on the joint reads the speed that is wrong.
 bool NoticeWatch::is_read(const ImplicitError& error) const {
-  return !error.of_speed || reads_speed(scenario_.model, describe_element(scenario_.model, error.element).joint);
+  return !error.of_speed || reads_speed(scenario_.model, list_bodies(error), error.element);
 }
 
 void NoticeWatch::add_unresolved(const ImplicitError& error, UnresolvedBodies& unresolved) const {
   const bool passed = error.until != ImplicitError::kNever;
   const std::string cause = "overshoot " + get_subject(error) + (passed ? format(", until %.6g s", error.until) : "") +
                             ": " + describe(error);
-  if (!is_read(error))
-    return unresolved.add_speed(describe_element(scenario_.model, error.element).joint, cause, error.from, error.until);
   const std::vector<int> bodies = list_bodies(error);
+  if (!is_read(error)) return unresolved.add_speed(bodies, cause, error.from, error.until);
   if (!passed) return unresolved.add(bodies, cause, error.from);
   for (const int body : bodies) unresolved.add_passed(body, cause, error.from, error.until, links_);
 }

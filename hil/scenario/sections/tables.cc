@@ -8,19 +8,7 @@
 #include "hil/scenario/text/expression.h"
 
 namespace unlatch::hil {
-namespace {
-
-// What a unit means: `1 deg`.
-std::optional<Quantity> find_unit_of(const std::string& unit) {
-  if (unit.empty()) return Quantity{1, {}};
-  try {
-    return evaluate_expression("1 " + unit, {});
-  } catch (const ExpressionError&) {
-    return std::nullopt;
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 // `unit` of a table or of an axis: that of numbers alone. A plain 1 without one.
 Quantity ScenarioReader::read_unit(YamlMap& map) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/expression.h"
 #include "hil/scenario/text/number_text.h"
 
 namespace unlatch::hil {
@@ -99,6 +100,15 @@ void read_row(const std::vector<Cell>& cells, int line, CsvTable& table) {
 }
 
 }  // namespace
+
+std::optional<Quantity> find_unit_of(const std::string& unit) {
+  if (unit.empty()) return Quantity{1, {}};
+  try {
+    return evaluate_expression("1 " + unit, {});
+  } catch (const ExpressionError&) {
+    return std::nullopt;
+  }
+}
 
 CsvTable read_csv(std::string_view text) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

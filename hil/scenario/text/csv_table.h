@@ -8,10 +8,13 @@
 // go through all combinations of the axes' knots, each rising, the last axis fastest.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "hil/scenario/text/quantity.h"
 
 namespace unlatch::hil {
 
@@ -33,6 +36,9 @@ struct CsvTable {
   std::vector<std::vector<double>> values;  // by column
   std::vector<std::vector<Place>> places;   // likewise
 };
+
+// What the unit of a heading means: `1 deg`; "" is a plain 1. Nothing for what is no unit.
+std::optional<Quantity> find_unit_of(const std::string& unit);
 
 // Throws CsvError.
 CsvTable read_csv(std::string_view text);

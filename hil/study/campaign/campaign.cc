@@ -385,16 +385,18 @@ void CampaignReader::read_table(YamlMap& top) {
   try {
     const NumberTable table = read_number_table(campaign_.folder, read_text(*node, mistakes_), node->mark);
     std::vector<std::size_t> places;
+    std::vector<double> factors;
     for (const InputColumn& input : list_inputs(campaign_)) {
       const auto at = std::find(table.names.begin(), table.names.end(), input.name);
       if (at == table.names.end())
         mistakes_.add(node->mark, "the table has no column '" + input.name + "'", suggest(input.name, table.names));
       places.push_back(static_cast<std::size_t>(at - table.names.begin()));
+      factors.push_back(at == table.names.end() ? 1 : read_factor(table, places.back(), input.unit, node->mark));
     }
     if (places.end() != std::find(places.begin(), places.end(), table.names.size())) return;
     for (const std::vector<double>& row : table.rows) {
       std::vector<double>& inputs = campaign_.table.emplace_back();
-      for (const std::size_t place : places) inputs.push_back(row[place]);
+      for (std::size_t i = 0; i < places.size(); ++i) inputs.push_back(row[places[i]] * factors[i]);
     }
     if (top.node().find("samples") == nullptr) campaign_.plan.samples = static_cast<std::int64_t>(table.rows.size());
     if (campaign_.plan.samples > static_cast<std::int64_t>(table.rows.size()) || table.rows.empty())

@@ -53,7 +53,7 @@ class CampaignReader {
   void read_normal(const YamlNode& node, bool logarithmic, Distribution& to, Reading& reading);
   void read_triangular(const YamlNode& node, Distribution& to, Reading& reading);
   void read_discrete(const YamlNode& node, CampaignParameter& to, Reading& reading);
-  void read_empirical(const YamlNode& node, CampaignParameter& to);
+  void read_empirical(const YamlNode& node, CampaignParameter& to, Reading& reading);
   void read_cone(const YamlNode& node, CampaignParameter& to, Reading& reading);
 
   Campaign& campaign_;
@@ -74,13 +74,19 @@ struct MetPath {
 // Throws YamlError at `mark`.
 std::vector<MetPath> expand_path(const std::string& path, const SourceMark& mark, const YamlNode& root);
 
-// Table of numbers with a header of names; " [unit]" after a name is removed.
+// Table of numbers with a header of names, each with " [unit]" behind it if it has one.
 struct NumberTable {
-  std::vector<std::string> names;
+  std::string file;
+  std::vector<std::string> names, units;
   std::vector<std::vector<double>> rows;
 };
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
+// What the unit of a column means; 1 without one. Throws YamlError at `mark` for what is no unit.
+Quantity read_unit(const NumberTable& table, std::size_t column, const SourceMark& mark);
+// The factor to SI of a column for values whose SI unit is `unit`, "" for plain numbers. Throws YamlError at `mark` if
+// the column's unit is of another kind.
+double read_factor(const NumberTable& table, std::size_t column, const std::string& unit, const SourceMark& mark);
 
 // Point of the unit cube with every axis at one of its ends; that of a discrete parameter at any value. The same for
 // the same number.

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/csv_table.h"
 #include "hil/scenario/yaml/yaml_override.h"
 #include "hil/study/campaign/campaign_reader.h"
 
@@ -95,7 +96,7 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
     throw YamlError(mark, "table '" + name + "': " + why.what,
                     too_long ? why.mend : "a path from this file to a CSV file");
   }
-  NumberTable table;
+  NumberTable table{name, {}, {}, {}};
   std::size_t number = 0;
   for (const std::string& line : split(text, '\n')) {
     ++number;
@@ -107,6 +108,9 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
         if (std::find(table.names.begin(), table.names.end(), column) != table.names.end())
           throw YamlError(mark, "table '" + name + "' has two columns '" + column + "'", "give each its own name");
         table.names.push_back(column);
+        const std::size_t open = cell.find(" ["), close = cell.rfind(']');
+        const bool has_unit = open != std::string::npos && close != std::string::npos && close > open;
+        table.units.push_back(has_unit ? cell.substr(open + 2, close - open - 2) : "");
       }
       continue;
     }
@@ -126,6 +130,28 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
   }
   if (table.names.empty()) throw YamlError(mark, "table '" + name + "' is empty", "a header and a row a sample");
   return table;
+}
+
+Quantity read_unit(const NumberTable& table, std::size_t column, const SourceMark& mark) {
+  const auto unit = find_unit_of(table.units[column]);
+  if (!unit)
+    throw YamlError(
+        mark,
+        "table '" + table.file + "': '" + table.units[column] + "' of '" + table.names[column] + "' is not a unit",
+        "a unit such as deg, kN or kg m2, or none for SI");
+  return *unit;
+}
+
+double read_factor(const NumberTable& table, std::size_t column, const std::string& unit, const SourceMark& mark) {
+  if (table.units[column].empty() || table.units[column] == unit) return 1;
+  const Quantity own = read_unit(table, column, mark);
+  const auto wanted = find_unit_of(unit);
+  if (!wanted || !wanted->dimension.takes(own.dimension))
+    throw YamlError(mark,
+                    "table '" + table.file + "': '" + table.names[column] + "' in " + table.units[column] +
+                        " is of another kind than its values, " + (unit.empty() ? "which have no unit" : "in " + unit),
+                    "give it the unit of the value, or none for SI");
+  return own.value;
 }
 
 }  // namespace unlatch::hil

@@ -161,7 +161,7 @@ void CampaignReader::read_discrete(const YamlNode& node, CampaignParameter& to, 
   for (double& x : distribution.cumulative) x /= sum;
 }
 
-void CampaignReader::read_empirical(const YamlNode& node, CampaignParameter& to) {
+void CampaignReader::read_empirical(const YamlNode& node, CampaignParameter& to, Reading& reading) {
   YamlMap map(node, "empirical", mistakes_);
   to.distribution.kind = Distribution::Kind::kEmpirical;
   to.distribution.values = {0};
@@ -175,9 +175,11 @@ void CampaignReader::read_empirical(const YamlNode& node, CampaignParameter& to)
       return mistakes_.add(column->mark, "the table has no column '" + column->text + "'",
                            suggest(column->text, table.names));
     if (table.rows.size() < 2) return mistakes_.add(file->mark, "fewer than two values", "two or more rows");
+    const auto place = static_cast<std::size_t>(at - table.names.begin());
+    const Quantity unit = read_unit(table, place, column->mark);
+    if (!unit.dimension.is_plain()) reading.dimension = unit.dimension;
     to.distribution.values.clear();
-    for (const std::vector<double>& row : table.rows)
-      to.distribution.values.push_back(row[static_cast<std::size_t>(at - table.names.begin())]);
+    for (const std::vector<double>& row : table.rows) to.distribution.values.push_back(row[place] * unit.value);
     std::sort(to.distribution.values.begin(), to.distribution.values.end());
   } catch (const YamlError& e) {
     mistakes_.add(e.mark, e.what(), e.mend);
@@ -233,7 +235,7 @@ bool CampaignReader::read_distribution(YamlMap& map, CampaignParameter& to, Read
   if (kind == "triangular") read_triangular(node, to.distribution, reading);
   if (kind == "discrete") read_discrete(node, to, reading);
   if (kind != "discrete") to.columns.clear();
-  if (kind == "empirical") read_empirical(node, to);
+  if (kind == "empirical") read_empirical(node, to, reading);
   if (kind == "cone") read_cone(node, to, reading);
   return true;
 }

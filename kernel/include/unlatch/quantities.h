@@ -47,6 +47,16 @@ enum QuantityReads : unsigned {
   kReadsEvents = 16,      // changes at events alone, or begins there
 };
 
+// What of the motion of bodies decides the value of a quantity: errors of a motion reach what depends on them.
+enum class QuantityMotion {
+  kOfAll,   // any motion of any body: of a kind whose row does not say less
+  kOfNone,  // none
+  kPlaces,  // where its subjects are
+  kSpeeds,  // how fast its subjects move
+  kForces,  // the forces on its subjects, and so their places and speeds
+  kThrough  // what its subject depends on: an event, a signal or a law
+};
+
 // What is known of a kind.
 struct QuantityTraits {
   Quantity::Kind kind;  // in the order of the enumerators
@@ -59,7 +69,8 @@ struct QuantityTraits {
       nullptr;                    // of rotation rows, of elements that turn, of the size of an attitude, if it differs
   const char* frame = "";         // axes of the values: "W", "body", "joint"; empty for none
   unsigned reads = kReadsMotion;  // QuantityReads
-  bool holds = false;             // it is 1 or 0, and changes at events alone
+  QuantityMotion motion = QuantityMotion::kOfAll;
+  bool holds = false;                        // it is 1 or 0, and changes at events alone
   bool has_point = false, has_axes = false;  // `point` is read; `direction` and `other_direction` are
   bool of_planet = false, of_air = false;    // it needs a planet; it needs an atmosphere
 };

@@ -81,7 +81,6 @@ def read_recording(path: Path, every: int = 1) -> Table:
         raise ValueError("every is 1 or more, in ticks")
     with open_recording(path) as sim:
         names, units, views = _list_views(sim)
-        _refuse_equal(FilePath(path), ["tick", "t", *names])
         rows: List[npt.NDArray[np.float64]] = []
         ticks: List[int] = []
         while True:
@@ -103,23 +102,27 @@ def _list_views(sim: Simulation) -> Tuple[List[str], Dict[str, str], List[npt.ND
     names: List[str] = []
     units: Dict[str, str] = {}
     views: List[npt.NDArray[np.float64]] = []
+
+    def add(group: str, column: str, unit: str) -> None:
+        while column in units:  # a sensor `x` beside a body `sensor`: as exports name it
+            column = f"{group}.{column}"
+        names.append(column)
+        units[column] = unit
+
     for name, body in sim.bodies.items():
         for part, letters, unit in _PARTS:
             views.append(getattr(body, part))
             for letter in letters:
-                names.append(f"{name}.{letter}")
-                units[names[-1]] = unit
+                add("body", f"{name}.{letter}", unit)
     for kind, sensors in (("sensor", sim.sensors), ("received", sim.received)):
         for name, value in sensors.items():
             views.append(value)
             letters = {1: ("",), 3: (".x", ".y", ".z"), 4: (".w", ".x", ".y", ".z")}.get(
                 len(value), (".x", ".y", ".z", ".rot_x", ".rot_y", ".rot_z"))
             for letter in letters[:len(value)]:
-                names.append(f"{kind}.{name}{letter}")
-                units[names[-1]] = sim.get_unit("sensor", name)
+                add(kind, f"{kind}.{name}{letter}", sim.get_unit("sensor", name))
     for name in sim.channels:
-        names.append(f"channel.{name}")
-        units[names[-1]] = sim.get_unit("channel", name)
+        add("command", f"channel.{name}", sim.get_unit("channel", name))
     views.append(sim.channels.values_array)
     return names, units, views
 

@@ -1,10 +1,14 @@
-// Springs whose period the step does not resolve, beside a motion that hides them from the audit of bodies, against the
-// same springs with a step that does.
+// Springs and modes whose period the step does not resolve, beside a motion that hides them from the audit of bodies,
+// against the same springs with a step that does.
 #include "hil/run/notices/implicit_audit.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -122,6 +126,109 @@ TEST(ImplicitAudit, ASpringThatIsOffOrHeldHasNoOvershoot) {
   for (const std::string& event : {off, held}) {
     const AnalysedRun run(push_panel(kJump, "10 ms", "", event));
     EXPECT_TRUE(list_overshoots(run).empty()) << event;
+  }
+}
+
+// A cross of 8 kg whose middle is pushed: its one mode of 200 Hz bends the arms back. Deflection of the tip from the
+// middle under a steady force F: F / (4 ω²), ω = 400 π.
+std::string push_cross(const std::string& force, const std::string& dt, double damping = 0,
+                       const std::string& more = "") {
+  const std::filesystem::path folder = ::testing::TempDir() + "implicit_audit_" + std::to_string(::getpid());
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "cross.modes") << R"(unlatch modes 1
+frequencies 200
+marker tip 1 0 0
+0 0 1   0 0 0
+marker middle 0 0 0
+0 0 -1  0 0 0
+points 5
+1   1 0 0   0 0 1
+1  -1 0 0   0 0 1
+1   0 1 0   0 0 1
+1   0 -1 0  0 0 1
+4   0 0 0   0 0 -1
+end
+)";
+  std::ofstream(folder / "cross.yaml") << "unlatch: 1\nname: cross\nstep: {dt: " << dt << ", until: 0.7}\n"
+                                       << "bodies:\n  cross: {flexible: {modes: cross.modes, damping: " << damping
+                                       << R"(}, origin: [0, 0, 0]}
+  tip: {marker: {of: cross, at: tip}}
+  middle: {marker: {of: cross, at: middle}}
+  other: {mass: 1000, inertia: [1, 1, 1], position: [0, 9, 0]}
+elements:
+  push: {type: force, body: middle, frame: world, direction: [0, 0, 1], profile: {expression: ")"
+                                       << force << R"("}}
+requirements:
+  - {id: deflection, position: {body: tip, relative_to: middle, along: [0, 0, 1]}, take: minimum, at_least: -1 m}
+  - {id: apart, velocity: {body: tip, relative_to: middle}, take: peak, at_most: 1 m/s}
+  - {id: far, position: {body: other, along: [0, 1, 0]}, take: final, at_least: 1 m}
+)" << more;
+  const std::string text = hil::load_scenario(folder / "cross.yaml").text;  // with the modes
+  std::filesystem::remove_all(folder);
+  return text;
+}
+
+constexpr double kSteady = 100 / (4 * 400 * 400 * std::numbers::pi * std::numbers::pi);  // m, of 100 N
+
+// Of the damped one the overshoot is that of its own damping.
+TEST(ImplicitAudit, AModeThatOvershootsIsUnresolvedAndTheProposedStepSuffices) {
+  for (const double damping : {0.0, 0.2}) {
+    const double least = -kSteady * (1 + std::exp(-std::numbers::pi * damping / std::sqrt(1 - damping * damping)));
+    const AnalysedRun run(push_cross(kJump, "10 ms", damping));
+    ASSERT_EQ(list_overshoots(run).size(), 1U) << damping;
+    const hil::RunNotice notice = list_overshoots(run).front();
+    EXPECT_EQ(notice.subject, "cross");
+    EXPECT_TRUE(notice.unresolved);
+    EXPECT_NEAR(notice.time, 0.5037, 0.011);
+    EXPECT_TRUE(is_unresolved(run, "deflection"));
+    EXPECT_TRUE(is_unresolved(run, "apart"));
+    EXPECT_FALSE(is_unresolved(run, "far"));
+    if (damping == 0) {
+      EXPECT_GT(run.judge("deflection").value, 0.9 * least);  // too little by a tenth or more
+    }
+    const AnalysedRun fine(push_cross(kJump, find_step(notice.text), damping));
+    EXPECT_TRUE(list_overshoots(fine).empty());
+    EXPECT_FALSE(is_unresolved(fine, "deflection")) << fine.judge("deflection").unresolved;
+    EXPECT_NEAR(fine.judge("deflection").value, least, 0.005 * kSteady);
+  }
+}
+
+// The deflection is right, how fast it changes is not: by ten times, since the method swings at the rate of the step.
+TEST(ImplicitAudit, UnderASmoothForceTheSpeedOfAModeAloneIsUnresolved) {
+  constexpr double kFastest = 1.5 * kSteady;  // m/s, in the middle of the second
+  const AnalysedRun run(push_cross(kSmooth, "10 ms"));
+  const double last = run.judge("deflection").value;
+  EXPECT_NEAR(last, -kSteady * 0.49 * 1.6, 0.01 * kSteady);  // half of what the audit lets pass
+  EXPECT_FALSE(is_unresolved(run, "deflection")) << run.judge("deflection").unresolved;
+  EXPECT_GT(run.judge("apart").value, 3 * kFastest);
+  EXPECT_TRUE(is_unresolved(run, "apart"));
+  ASSERT_EQ(list_overshoots(run).size(), 1U);
+  EXPECT_FALSE(list_overshoots(run).front().unresolved);
+  EXPECT_TRUE(run.analysis.accuracy().describe_unresolved().empty());
+  const std::string meter = "sensors: {meter: {type: acceleration, body: tip}}\n";
+  EXPECT_TRUE(is_unresolved(AnalysedRun(push_cross(kSmooth, "10 ms", 0, meter)), "deflection"));
+  const AnalysedRun fine(push_cross(kSmooth, find_step(list_overshoots(run).front().text)));
+  EXPECT_FALSE(is_unresolved(fine, "apart")) << fine.judge("apart").unresolved;
+  EXPECT_NEAR(fine.judge("apart").value, kFastest, 0.02 * kFastest);
+}
+
+// A force that the spring's own speed decides, and one of it: the first depends on a speed that is wrong.
+TEST(ImplicitAudit, WhatReadsTheSpeedInOtherWordsDependsOnIt) {
+  const std::string reads[] = {
+      "quantities: {pace: {length_rate: {element: spring}}}\n",
+      "quantities: {pace: {velocity: {body: panel, relative_to: hub}}}\n",
+      "quantities: {load: {reaction_force: {joint: rail}}}\n",
+      "events: [{name: fast, when: {quantity: {velocity: {body: panel, relative_to: hub}}, above: 1 km/s}}]\n",
+  };
+  for (const std::string& read : reads)
+    EXPECT_TRUE(is_unresolved(AnalysedRun(push_panel(kSmooth, "10 ms", "", read)), "deflection")) << read;
+  const std::string others[] = {"quantities: {pace: {force: {element: spring}}}\n",
+                                "quantities: {pace: {velocity: {body: other}}}\n",
+                                "quantities: {place: {position: {body: panel, relative_to: hub}}}\n"};
+  for (const std::string& other : others) {
+    const AnalysedRun run(push_panel(kSmooth, "10 ms", "", other));
+    EXPECT_FALSE(is_unresolved(run, "deflection")) << other;
+    EXPECT_TRUE(is_unresolved(run, "reaction"));
   }
 }
 

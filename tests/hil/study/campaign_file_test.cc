@@ -169,6 +169,27 @@ TEST_F(CampaignFileTest, RowsOfATableAreSamples) {
   EXPECT_THAT(draw_inputs(campaign, 1), ElementsAre(102.5));
 }
 
+TEST_F(CampaignFileTest, ColumnsOfTablesAreReadInTheUnitsOfTheirHeadings) {
+  const std::string rows = "sampling: csv\ntable: t.csv\nparameters:\n  m: {path: bodies.core.mass}\n";
+  const std::string drawn =
+      "samples: 2\nparameters:\n  m: {path: bodies.core.mass, empirical: {file: t.csv, column: m}}\n";
+  for (const auto& [unit, size] : {std::pair{"", 1.0}, {" [kg]", 1.0}, {" [g]", 1e3}, {" [t]", 1e-3}}) {
+    std::ofstream(folder_ / "t.csv") << "m" << unit << "\n" << 101 * size << "\n" << 102.5 * size << "\n";
+    EXPECT_THAT(draw_inputs(load(rows), 1), ElementsAre(testing::DoubleEq(102.5))) << unit;
+    const Campaign campaign = load(drawn);
+    EXPECT_THAT(campaign.parameters[0].distribution.values,
+                ElementsAre(testing::DoubleEq(101), testing::DoubleEq(102.5)))
+        << unit;
+    EXPECT_EQ(campaign.parameters[0].unit, "kg");
+  }
+  for (const auto& [unit, part] : {std::pair{"s", "'m' in s is of another kind than its values, in kg"},
+                                   {"grams", "'grams' of 'm' is not a unit"}}) {
+    std::ofstream(folder_ / "t.csv") << "m [" << unit << "]\n101\n102.5\n";
+    EXPECT_THAT(load_errors(rows), HasSubstr(part));
+    EXPECT_NE(load_errors(drawn), "");
+  }
+}
+
 TEST_F(CampaignFileTest, AllMistakesAreToldAtOnceWithTheirPlaces) {
   const std::string errors = load_errors(
       "samples: 10.5\nsampling: sobols\nparameters:\n"

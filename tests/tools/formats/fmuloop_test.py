@@ -103,6 +103,10 @@ class FmuLoopTest(ProcessTest):
         file = self.folder / "names.map"
         file.write_text("# the controller's ports\n\n" + "\n".join(maps) + "\nfsw:Spare = -  # not wired\n")
         self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", fmu, "--map", file, *SAID, code=None)["hash"], wanted)
+        exported = [*(f"In{k}=received.{name}" for k, name in enumerate(INPUTS)), *(f"Out{k}=channel.{name}" for k, name in enumerate(OUTPUTS)), "Spare=-"]
+        exported[0] = exported[0].replace("received.", "sensor.")
+        options = [part for line in exported for part in ("--map", line)]
+        self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", fmu, *options, *SAID, code=None)["hash"], wanted)
         for option, words in ((f"In0={'x' * 5}", ("'In0', mapped to 'xxxxx'", "no sensor")), ("Out0=nothing", ("'Out0', mapped to 'nothing'", "no channel")),
                               ("In99=kr1", ("no input or output 'In99'", "Spare")), ("In0", ("neither VARIABLE=NAME nor a file",)),
                               ("In0=", ("is no VARIABLE=NAME",))):

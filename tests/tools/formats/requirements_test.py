@@ -227,7 +227,8 @@ class RequirementsTest(ProcessTest):
         bomb = '<?xml version="1.0"?><!DOCTYPE b [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><REQ-IF>&b;</REQ-IF>'
         for name, text, reason in (("bomb.reqif", bomb, "document type"), ("half.reqif", FOREIGN[:900], "line "), ("deep.reqif", "<REQ-IF>" + "<a>" * 400, "256"),
                                    ("other.xml", "<html/>", "root is not REQ-IF"), ("zip.reqif", "PK\x03\x04", "unzip"), ("open.csv", 'id,text\nnear,"x', "not closed"),
-                                   ("none.csv", "a,b\n1,2\n", "--id")):
+                                   ("none.csv", "a,b\n1,2\n", "--id"), ("columns.csv", "id,text,Text\nnear,a,b\n", "line 1 has a second column 'Text'"),
+                                   ("rows.csv", "id,text\nnear,a\nnear,b\n", "requirement 'near' stands there more than once")):
             _, told = self.import_file(name, text, code=1)
             self.assertIn(reason, told, name)
             self.assertFalse((self.folder / "part.yaml").exists(), name)

@@ -182,6 +182,20 @@ class VerdictTest(ProcessTest):
         in_loop = self.run_json(UNLATCH, "hil", path, "--transport", "inproc", "--pace", "fast", code=1)
         self.assertEqual((in_loop["status"], in_loop["verdict"]), ("unresolved", report["verdict"]))
 
+    def test_page_and_exports_of_an_unresolved_run_are_not_called_ok(self):
+        log, lines, page = (self.folder / name for name in ("run.log", "run.json", "run.html"))
+        self.run_ok(UNLATCH, "run", self.write(BLOW.replace("SUBSTEPS", "1")), "--log", log, code=1)
+        exported = self.run_ok(UNLATCH, "export", log, "--format", "json", "--out", lines).stderr
+        self.assertIn("unresolved\n  contact blow", exported)
+        end = json.loads(lines.read_text().splitlines()[-1])
+        self.assertEqual(end["status"], "unresolved")
+        self.assertIn("contact blow", end["message"])
+        self.run_ok(UNLATCH, "report", log, "--out", page)
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(page)
+        self.assertIn("unresolved", browser.evaluate("document.querySelector('.status').textContent"))
+
     # A spring carries what a contact does not resolve to a body that touches nothing.
     def test_what_a_spring_connects_to_an_unresolved_body_is_unresolved_too(self):
         spring = "elements:\n  link: {type: spring, between: [ball, away], stiffness: 1, free_length: 1}\n"
@@ -465,6 +479,10 @@ events:
         for cell in row:
             self.assertTrue(cell == "0" or abs(float(cell)) > 1e-6, row)
         self.assertIn("8829", row)
+        table = self.run_ok(UNLATCH, "run", path, "--accuracy").stdout.split("value      error  order\n")[1].split("\n\n")[0]
+        values = {line[2:60].strip(): float(line[60:79]) for line in table.split("\n")}
+        self.assertAlmostEqual(values["peak reaction hold z"], 8829, delta=1e-6)
+        self.assertEqual([name for name, value in values.items() if 0 < abs(value) < 1e-9], [])
 
     def test_a_body_is_late_only_beside_those_that_leave_the_same_one(self):
         path = self.folder / "leavers.yaml"

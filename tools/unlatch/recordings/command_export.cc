@@ -15,6 +15,7 @@
 #include "tools/unlatch/options/output_options.h"
 #include "tools/unlatch/recordings/replayed_log.h"
 #include "tools/unlatch/recordings/verbs.h"
+#include "tools/unlatch/results/accuracy_report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -143,16 +144,15 @@ int run(const ExportOptions& options) {
   OpenedLog opened(options.log);
   hil::RecordingReader& recording = opened.recording;
   hil::Simulation& simulation = *opened.simulation;
-  // Contacts alone need an analysis: the shapes of their touches, and each touch.
-  std::optional<hil::RunAnalysis> analysis;
-  if (!opened.scenario.model.contacts.empty())
-    analysis.emplace(opened.scenario, simulation,
-                     hil::AnalysisRequest{.accuracy = false, .reactions = false, .redundancy = false, .pushes = false});
+  // What the step did not resolve; of contacts the shapes of their touches, and each touch.
+  hil::RunAnalysis analysis(opened.scenario, simulation,
+                            hil::AnalysisRequest{.reactions = false, .redundancy = false, .pushes = false});
+  const bool touches = !opened.scenario.model.contacts.empty();
   std::optional<Selection> selection;
   try {
     const hil::SensorsShown shown = hil::get_sensors_shown(recording.header);
     selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario, shown),
-                      recording.header.last_tick, shown, analysis ? &*analysis : nullptr);
+                      recording.header.last_tick, shown, touches ? &analysis : nullptr);
   } catch (const std::invalid_argument& error) {
     refuse_option("--bodies", error.what());
   }
@@ -161,21 +161,21 @@ int run(const ExportOptions& options) {
   sink->begin(*selection, recording.header);
 
   Progress progress(recording.header.dt, recording.header.last_tick);
-  const hil::ReplayResult result =
-      hil::replay(recording, simulation, analysis ? &*analysis : nullptr, [&](const StepReport& report) {
-        progress.show(simulation.get_tick());
-        selection->set_received(recording.received);
-        if (!selection->look(report, recording.take_events())) return;
-        sink->add_tick(*selection);
-        destination.check();
-      });
+  const hil::ReplayResult result = hil::replay(recording, simulation, &analysis, [&](const StepReport& report) {
+    progress.show(simulation.get_tick());
+    selection->set_received(recording.received);
+    if (!selection->look(report, recording.take_events())) return;
+    sink->add_tick(*selection);
+    destination.check();
+  });
   progress.clear();
   if (selection->look_at_end()) sink->add_tick(*selection);
   const std::vector<hil::ContactRecord> contacts =
-      analysis ? analysis->list_contacts() : std::vector<hil::ContactRecord>();
+      touches ? analysis.list_contacts() : std::vector<hil::ContactRecord>();
   for (const hil::ContactRecord& contact : contacts) sink->add_contact(contact);
-  const std::string status = describe_status(recording, result);
-  const std::string why = recording.end ? recording.end->message : recording.shortfall;
+  std::string status = describe_status(recording, result);
+  std::string why = recording.end ? recording.end->message : recording.shortfall;
+  tell_unresolved(analysis, status, why);
   sink->end({status, why, to_hex(simulation.calc_hash())});
   destination.finish();
   write_touch_table(options, contacts, recording.header);
@@ -183,6 +183,7 @@ int run(const ExportOptions& options) {
   std::fprintf(stderr, "%s: %s, up to tick %lld (t = %g s), %s\n", options.out.c_str(), options.format.c_str(),
                static_cast<long long>(simulation.get_tick()), simulation.get_time(), status.c_str());
   if (!recording.shortfall.empty()) std::fprintf(stderr, "  %s\n", recording.shortfall.c_str());
+  if (status == kUnresolved) std::fprintf(stderr, "  %s\n", why.c_str());
   if (!result.agrees()) std::fprintf(stderr, "  it does not replay as it was recorded: see unlatch replay\n");
   return result.agrees() && !recording.damaged ? kExitDone : kExitFailed;
 }

@@ -42,13 +42,12 @@ int run(const ReplayOptions& options) {
   Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
   const std::string hashes = list_hashes(options, log, progress);
   progress.clear();
-  RunReport report = log.build_report();
-  const bool unresolved = tell_unresolved(log.analysis, report.status, report.message);
+  const RunReport report = log.build_report();
   print_report(get_people_stream(options.json), report);
   std::fputs(hashes.c_str(), get_people_stream(options.json));
   write_json(report, options.json);
   write_junit(report, options.junit, wall_time.get());
-  return log.is_sound() && !unresolved && is_met(report) ? kExitDone : kExitFailed;
+  return log.is_sound() && report.status != kUnresolved && is_met(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tools/unlatch/recordings/replayed_log.h"
 
 #include "tools/unlatch/options/output_options.h"
+#include "tools/unlatch/results/accuracy_report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -42,11 +43,13 @@ void ReplayedLog::replay(const std::function<void(const StepReport&)>& look) {
 RunReport ReplayedLog::build_report() const {
   const hil::RecordingReader& recording = opened.recording;
   const hil::Simulation& simulation = *opened.simulation;
+  std::string status = describe_status(recording, result), message = describe_end(recording, simulation.get_tick());
+  tell_unresolved(analysis, status, message);
   return {opened.scenario,
           simulation,
           analysis,
-          describe_status(recording, result),
-          describe_end(recording, simulation.get_tick()),
+          status,
+          message,
           simulation.get_tick(),
           simulation.calc_hash(),
           recording.end ? recording.end->timing : hil::TimingSummary{},

@@ -138,7 +138,7 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message) {
   const std::string failure = analysis.accuracy().describe_unresolved();
   if (failure.empty() || status != "ok") return false;
-  status = "unresolved";
+  status = kUnresolved;
   message += (message.empty() ? "" : "; ") + failure;
   return true;
 }
@@ -234,8 +234,8 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
   for (const hil::AccuracyEntry& entry : accuracy.entries) {
     char order[16] = "–";
     if (entry.order) std::snprintf(order, sizeof order, "%.1f", *entry.order);
-    std::fprintf(to, "  %-58s %18.12g %10.2g %6s %s\n", entry.value.what.c_str(), entry.value.value, entry.error, order,
-                 entry.value.unit.c_str());
+    std::fprintf(to, "  %-58s %18.12g %10.2g %6s %s\n", entry.value.what.c_str(),
+                 drop_rounding(entry.value.value, entry.value.size), entry.error, order, entry.value.unit.c_str());
   }
   print_reasons(to, accuracy.entries);
   print_growth(to, accuracy);

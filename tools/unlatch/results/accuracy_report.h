@@ -27,7 +27,9 @@ nlohmann::ordered_json build_step_json(const hil::AccuracyReport& accuracy);
 // (hil::make_step_settings()).
 ScenarioOptions set_step(const ScenarioOptions& options, const hil::Scenario& scenario, double step);
 
-// The status and its message of a run that ended well, but is not resolved: "unresolved". True if so.
+// The status of a run that ended well, but is not resolved.
+inline constexpr const char* kUnresolved = "unresolved";
+// Such a run's status and its message. True if so.
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message);
 
 // Runs the scenario at dt/2 and dt/4, and then at the largest step that meets `tolerance`, and compares. `simulation`
