@@ -212,9 +212,11 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   plan.air_layers = std::move(environment.layers);
   plan.air_knots = std::move(environment.air);
   plan.wind_knots = std::move(environment.wind);
+  if (!plan.aerodynamics.empty()) plan.air_corners = std::move(environment.corners);
   plan.plain = plan.rigid && !plan.environment.exists;
   plan.time_corners = has_time_corners(model, plan);
-  plan.sought_corners = !plan.laws.corners.empty() || has_masses(plan, true) || !plan.contacts.empty();
+  plan.place_corners = !plan.laws.corners.empty() || !plan.air_corners.empty();
+  plan.sought_corners = plan.place_corners || has_masses(plan, true) || !plan.contacts.empty();
   plan.contact_substeps = model.contact_substeps;
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());

@@ -251,7 +251,7 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
                                  [](const PlanCorner& corner) { return corner.jumps; });
   const bool burns =
       std::any_of(plan.varying.begin(), plan.varying.end(), [](const PlanVarying& mass) { return mass.by_burnt; });
-  const std::int64_t corners = plan.laws.corners.empty() && !burns ? 0 : kMostCornerSplits;
+  const std::int64_t corners = !plan.place_corners && !burns ? 0 : kMostCornerSplits;
   const std::int64_t features = pairs > 0 ? kMostFeatureSplits : 0;
   limits.sub_steps = limits.parts + limits.splits + (plan.time_corners ? kMostCornerSplits : corners) + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +

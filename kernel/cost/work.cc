@@ -270,7 +270,7 @@ void count_elements(const PlanData& plan, Work& work) {
   set(Unit::kPlanetBodies, plan.environment.exists ? plan.bodies.size() : 0);
   set(Unit::kContacts, plan.contacts.size());
   set(Unit::kImplicitContacts, may_be_implicit(plan) ? plan.contacts.size() : 0);
-  set(Unit::kRigidContacts, plan.rigid_pairs);
+  set(Unit::kRigidContacts, at(plan.rigid_pairs));
   for (const PlanOneSided& own : plan.one_sided)
     if (own.count > 0)
       work[Unit::kOneSidedTables] += static_cast<double>(std::bit_width(static_cast<unsigned>(own.count)));
@@ -319,6 +319,9 @@ void count_laws(const PlanData& plan, Work& work) {
   }
   for (const PlanCorner& corner : plan.laws.corners)
     work[Unit::kCorners] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(corner.count)));
+  if (!plan.air_corners.empty())
+    work[Unit::kCorners] += static_cast<double>(plan.aerodynamics.size()) *
+                            (1 + static_cast<double>(std::bit_width(plan.air_corners.size())));
   work[Unit::kBranches] = plan.law_numbers.places;
 }
 

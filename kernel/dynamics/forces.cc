@@ -38,7 +38,10 @@ void add_efforts(const Instant& now, Evaluation& ev) {
     const auto& own = list[i];
     if (!Kind::acts(now, ev, own, i)) continue;
     const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
-    if (scale == 0) continue;
+    if (scale == 0) {
+      if constexpr (requires { Kind::rest(own, ev); }) Kind::rest(own, ev);
+      continue;
+    }
     if constexpr (HasEffort<Kind>) {
       const Effort effort = Kind::calc(StageMotion{now, ev}, own, i, scale);
       if (!effort.acts) continue;

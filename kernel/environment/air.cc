@@ -8,11 +8,11 @@
 namespace unlatch {
 namespace {
 
-constexpr double kGravity = 9.80665;             // g₀', m/s²
-constexpr double kEarth = 6356766;               // r₀, m
-constexpr double kGas = 8314.32 / 28.9644;       // R* / M₀, J/(kg K)
-constexpr double kHeats = 1.4;                   // ratio of specific heats
-constexpr double kLowest = -5000, kTop = 86000;  // altitudes of the layers' ends, m
+constexpr double kGravity = 9.80665;        // g₀', m/s²
+constexpr double kEarth = 6356766;          // r₀, m
+constexpr double kGas = 8314.32 / 28.9644;  // R* / M₀, J/(kg K)
+constexpr double kHeats = 1.4;              // ratio of specific heats
+constexpr double kTop = 86000;              // altitude where the layers end, m
 
 AirState complete(double density, double pressure) {
   const double part = pressure / density;
@@ -20,7 +20,7 @@ AirState complete(double density, double pressure) {
 }
 
 AirState calc_layered(std::span<const AirLayer> layers, double altitude) {
-  const double z = altitude > kLowest ? altitude : kLowest, H = kEarth * z / (kEarth + z);
+  const double z = altitude > kLowestAir ? altitude : kLowestAir, H = kEarth * z / (kEarth + z);
   std::size_t i = layers.size() - 1;
   while (i > 0 && H < layers[i].base) --i;
   const double temperature = layers[i].temperature + layers[i].lapse * (H - layers[i].base);
@@ -55,6 +55,8 @@ AirState calc_tabled(std::span<const AirKnot> knots, double altitude) {
 }
 
 }  // namespace
+
+double calc_geometric_altitude(double H) noexcept { return kEarth * H / (kEarth - H); }
 
 double calc_layer_pressure(const AirLayer& layer, double H, double temperature) noexcept {
   const double rise = H - layer.base;

@@ -30,6 +30,9 @@ struct AirView {
   std::span<const AirLayer> layers;  // of the standard; none of a table
   std::span<const AirKnot> knots;
 };
+inline constexpr double kLowestAir = -5000;  // m, of the standard
+// m, of the geopotential altitude H.
+double calc_geometric_altitude(double H) noexcept;
 AirState calc_air(const AirView& air, double altitude) noexcept;
 // At the geopotential altitude H, m, where the layer has this temperature.
 double calc_layer_pressure(const AirLayer& layer, double H, double temperature) noexcept;

@@ -85,6 +85,22 @@ void compile_air(const Atmosphere& atmosphere, std::vector<AirLayer>& layers, st
   build_slopes(knots);
 }
 
+// Where the air has a corner: at the borders of the layers, where the lowest air begins to hold, and in the wind's
+// rows.
+std::vector<double> list_corners(const CompiledEnvironment& compiled) {
+  std::vector<double> list;
+  if (!compiled.layers.empty()) {
+    list.push_back(kLowestAir);
+    for (std::size_t i = 1; i < compiled.layers.size(); ++i)
+      list.push_back(calc_geometric_altitude(compiled.layers[i].base));
+  }
+  if (!compiled.air.empty()) list.push_back(compiled.air.front().altitude);  // that of the top of the layers
+  for (const WindKnot& knot : compiled.wind) list.push_back(knot.altitude);
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+  return list;
+}
+
 // --- Mistakes --------------------------------------------------------------------------------------------------------
 
 void check_planet(const Planet& planet, const Check& check) {
@@ -185,6 +201,7 @@ CompiledEnvironment compile_environment(const Environment& environment) {
   if (environment.wind)
     for (std::size_t i = 0; i < environment.wind->altitudes.size(); ++i)
       compiled.wind.push_back({environment.wind->altitudes[i], to_vec(environment.wind->velocities[i])});
+  compiled.corners = list_corners(compiled);
   const LaunchSite& launch = environment.launch;
   const PlanetPlace place = place_at(out.planet, launch.latitude, launch.longitude, launch.altitude);
   double sine, cosine;

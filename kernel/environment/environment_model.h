@@ -15,6 +15,7 @@ struct CompiledEnvironment {
   std::vector<AirLayer> layers;
   std::vector<AirKnot> air;
   std::vector<WindKnot> wind;
+  std::vector<double> corners;  // altitudes of both, rising, m
 };
 CompiledEnvironment compile_environment(const Environment& environment);
 

@@ -87,6 +87,7 @@ bool jumps_at_end(const PlanLawStep& step, double margin, const LawCourse& cours
 
 CornerMarks mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept {
   CornerMarks marks;
+  if (!plan.time_corners) return marks;
   KnotMarker marker(calc_margin(plan, begin, end), marks);
   add_times(plan, state, begin, end, marker);
   return marks;
@@ -106,6 +107,8 @@ CornerMarks mark_corners(const PlanData& plan, const State& state, double begin,
       marker.mark_way(course.at_begin[at(step.place)], course.at_end[at(step.place)], &kZero, 1);
     marks.jumps = marks.jumps || jumps_at_end(step, margin, course);
   }
+  for (std::size_t i = 0; i < course.low.size(); ++i)
+    marker.mark_way(course.low[i], course.high[i], plan.air_corners.data(), std::ssize(plan.air_corners));
   return marks;
 }
 

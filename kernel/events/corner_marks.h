@@ -12,10 +12,11 @@
 
 namespace unlatch {
 
-// The laws of a plan at both ends of a sub-step.
+// The laws and the altitudes of a plan at both ends of a sub-step.
 struct LawCourse {
   std::span<const double> at_begin, at_end;           // Evaluation::law_places
   std::span<const std::int32_t> from_begin, decided;  // branches of its stages; those at its end
+  std::span<const double> low, high;                  // Evaluation::altitudes at both ends
 };
 
 struct CornerMarks {
@@ -24,8 +25,8 @@ struct CornerMarks {
   [[nodiscard]] bool any() const { return at_begin || at_end; }
 };
 
-// Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read and of tables over time, but
-// for those that are finer than the step; not at those of laws that only outputs read. `state`: of its
+// Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read, of the air and of tables
+// over time, but for those that are finer than the step; not at those of laws that only outputs read. `state`: of its
 // end, but before its events.
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
                          const LawCourse& course) noexcept;

@@ -12,29 +12,43 @@ constexpr double kNearJump = 1e-12;  // part of the sub-step, from its end: roun
 
 }  // namespace
 
-PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
-                         std::span<const double> at_end, const PassedCorner& ended) noexcept {
+namespace {
+
+// Calls use(a corner at a place, its knots, how many) with each of them.
+void for_each_corner(const PlanData& plan, const auto& use) {
+  for (const PlanCorner& corner : plan.laws.corners)
+    use(PassedCorner{.place = corner.place, .jumps = corner.jumps}, &plan.laws.numbers[at(corner.knots)], corner.count);
+  if (plan.air_corners.empty()) return;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(plan.aerodynamics.size()); ++i)
+    use(PassedCorner{.place = i, .of_air = true}, plan.air_corners.data(),
+        static_cast<std::int32_t>(plan.air_corners.size()));
+}
+
+}  // namespace
+
+PassedCorner find_corner(const PlanData& plan, double begin, double end, const CornerPlaces& at_begin,
+                         const CornerPlaces& at_end, const PassedCorner& ended) noexcept {
   PassedCorner found;
   const double margin = kNearCorner * plan.options.dt / (end - begin);
   double first = 1;
-  for (const PlanCorner& corner : plan.laws.corners) {
-    const double a = at_begin[at(corner.place)], b = at_end[at(corner.place)];
-    if (!(a < b || b < a)) continue;  // at rest, or NaN
-    const double* const knots = &plan.laws.numbers[at(corner.knots)];
-    const double* const low = std::upper_bound(knots, knots + corner.count, std::min(a, b));
-    const double* const high = std::upper_bound(low, knots + corner.count, std::max(a, b));
-    if (high - low > kMostCorners) continue;
+  for_each_corner(plan, [&](PassedCorner corner, const double* knots, std::int32_t count) {
+    const double a = at_begin.get(corner), b = at_end.get(corner);
+    if (!(a < b || b < a)) return;  // at rest, or NaN
+    const double* const low = std::upper_bound(knots, knots + count, std::min(a, b));
+    const double* const high = std::upper_bound(low, knots + count, std::max(a, b));
+    if (high - low > kMostCorners) return;
     for (std::ptrdiff_t i = 0; i < high - low; ++i) {
-      const double knot = a < b ? low[i] : high[-1 - i], part = (knot - a) / (b - a);
-      const bool exact = corner.jumps && !(corner.place == ended.place && knot == ended.knot);
+      corner.knot = a < b ? low[i] : high[-1 - i];
+      const double part = (corner.knot - a) / (b - a);
       if (part <= margin && !corner.jumps) continue;
-      if (part < first && part < 1 - (exact ? kNearJump : margin)) {
+      const bool again = corner.place == ended.place && corner.of_air == ended.of_air && corner.knot == ended.knot;
+      if (part < first && part < 1 - (corner.jumps && !again ? kNearJump : margin)) {
         first = part;
-        found = {corner.place, knot, corner.jumps};
+        found = corner;
       }
-      break;
+      return;
     }
-  }
+  });
   return found;
 }
 
@@ -55,15 +69,14 @@ bool passes(const double* knots, std::int32_t count, double a, double b, double 
 bool passes_and_returns(const PlanData& plan, double begin, double end, const PassedPlaces& places) noexcept {
   const double margin =
       4 * kNearCorner * plan.options.dt / (end - begin);  // of a half: twice that of the whole, and to spare
-  for (const PlanCorner& corner : plan.laws.corners) {
-    const double a = places.at_begin[at(corner.place)], b = places.at_end[at(corner.place)];
-    const double m = places.in_middle[at(corner.place)];
-    const double* const knots = &plan.laws.numbers[at(corner.knots)];
-    const double* const low = std::upper_bound(knots, knots + corner.count, std::min(a, b));
-    if (std::upper_bound(low, knots + corner.count, std::max(a, b)) - low > kMostCorners) continue;
-    if (passes(knots, corner.count, a, m, margin, 1) || passes(knots, corner.count, m, b, 0, 1 - margin)) return true;
-  }
-  return false;
+  bool found = false;
+  for_each_corner(plan, [&](const PassedCorner& corner, const double* knots, std::int32_t count) {
+    const double a = places.at_begin.get(corner), b = places.at_end.get(corner), m = places.in_middle.get(corner);
+    const double* const low = std::upper_bound(knots, knots + count, std::min(a, b));
+    if (found || std::upper_bound(low, knots + count, std::max(a, b)) - low > kMostCorners) return;
+    found = passes(knots, count, a, m, margin, 1) || passes(knots, count, m, b, 0, 1 - margin);
+  });
+  return found;
 }
 
 namespace {

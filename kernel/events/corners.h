@@ -1,15 +1,18 @@
-// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; knots of
-// the masses of bodies that burn; and those whose time is known: points of loads' tables over time, ends of ramps,
-// knots of masses over time. Runge and Kutta's method has its order only in sub-steps without them: event_search.cc
-// splits a sub-step at the first of a law or of what is burnt, step.cc at the first of the others.
+// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; rows of
+// the wind and borders of the atmosphere's layers that a body in the air passes; knots of the masses of bodies that
+// burn; and those whose time is known: points of loads' tables over time, ends of ramps, knots of masses over time.
+// Runge and Kutta's method has its order only in sub-steps without them: event_search.cc splits a sub-step at the first
+// of a law, of the air or of what is burnt, step.cc at the first of the others.
 //
-// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time and of a mass, and a look at
-// each switch; where a corner is passed, two or three more sub-steps, where its time is known one.
+// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time, of a mass and of the
+// altitudes of the air's corners per aerodynamics, and a look at each switch; where a corner is passed, two or three
+// more sub-steps, where its time is known one.
 #pragma once
 
 #include <span>
 
 #include "kernel/events/limits.h"
+#include "kernel/math/index.h"
 #include "kernel/plan/evaluation.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/state.h"
@@ -20,22 +23,30 @@ namespace unlatch {
 inline constexpr double kNearCorner = 1e-5;
 
 struct PassedCorner {
-  std::int32_t place = kNone;  // in Evaluation::law_places; kNone: no corner is passed
-  double knot = 0;             // that is passed there
-  bool jumps = false;          // the law's value may jump there
+  std::int32_t place = kNone;  // in Evaluation::law_places or, of the air, Evaluation::altitudes; kNone: none is passed
+  bool of_air = false;
+  double knot = 0;     // that is passed there
+  bool jumps = false;  // the law's value may jump there
 };
 
-// The first corner that is passed in a sub-step from `begin` to `end`, by the chords between what the laws' places have
+// Numbers whose knots are corners.
+struct CornerPlaces {
+  std::span<const double> laws;       // as Evaluation::law_places
+  std::span<const double> altitudes;  // as Evaluation::altitudes
+  [[nodiscard]] double get(const PassedCorner& of) const { return (of.of_air ? altitudes : laws)[at(of.place)]; }
+};
+
+// The first corner that is passed in a sub-step from `begin` to `end`, by the chords between what the places have
 // at both ends. Corners very near either end do not count: what they cost in accuracy is rounding. Jumps count up to
 // the end, be it at the beginning. Those of an axis of which more than kMostCorners knots are passed do not count: a
 // table that is finer than the step. `ended`: the corner just behind which the sub-step ends, which does not count
 // again.
-PassedCorner find_corner(const PlanData& plan, double begin, double end, std::span<const double> at_begin,
-                         std::span<const double> at_end, const PassedCorner& ended = {}) noexcept;
+PassedCorner find_corner(const PlanData& plan, double begin, double end, const CornerPlaces& at_begin,
+                         const CornerPlaces& at_end, const PassedCorner& ended = {}) noexcept;
 
-// What the laws' places are in a sub-step.
+// What the places are in a sub-step.
 struct PassedPlaces {
-  std::span<const double> at_begin, in_middle, at_end;
+  CornerPlaces at_begin, in_middle, at_end;
 };
 // True if the values in the middle show a corner that the chord between both ends does not: a law that goes and comes
 // back, or comes back to where it began just before. What is over before the middle, or begins behind it, is not seen.

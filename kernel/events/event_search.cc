@@ -35,6 +35,8 @@ void keep_low(Run& run) {
   std::copy(run.ev().guards.begin(), run.ev().guards.end(), run.search().guards_low.begin());
   std::copy(run.ev().pair_rates.begin(), run.ev().pair_rates.end(), run.search().rates_low.begin());
   std::copy_n(run.ev().law_places.begin(), run.search().places_low.size(), run.search().places_low.begin());
+  if (!run.plan.sought_corners) return;
+  std::copy(run.ev().altitudes.begin(), run.ev().altitudes.end(), run.search().altitudes_low.begin());
   std::copy(run.ev().pair_features.begin(), run.ev().pair_features.end(), run.search().features_low.begin());
 }
 
@@ -213,7 +215,10 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return looks == most || try_substep(run, start, end) ? end : kFailed;
 }
 
-// --- Corners of laws -------------------------------------------------------------------------------------------------
+// --- Corners of laws and of the air ----------------------------------------------------------------------------------
+
+CornerPlaces get_low(const EventSearch& s) { return {s.places_low, s.altitudes_low}; }
+CornerPlaces get_now(const Evaluation& ev) { return {ev.law_places, ev.altitudes}; }
 
 // False, and reported, if the step has been split at as many corners as it may be.
 bool may_split_at_corner(Run& run) {
@@ -225,17 +230,15 @@ bool may_split_at_corner(Run& run) {
 // The time of the first corner that the chords up to `end` show, of which the evaluation is; `end` if there is none, or
 // kFailed. The evaluation is of that time, guards_high too. `ended`: the corner at which the sub-step ends already.
 [[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end, PassedCorner& ended) {
-  EventSearch& s = run.search();
-  const PassedCorner corner = find_corner(run.plan, start.t, end, s.places_low, run.ev().law_places, ended);
+  const CornerPlaces at_begin = get_low(run.search()), now = get_now(run.ev());
+  const PassedCorner corner = find_corner(run.plan, start.t, end, at_begin, now, ended);
   if (corner.place == kNone || !may_split_at_corner(run)) return end;
   ended = corner;
-  const double side = run.ev().law_places[at(corner.place)] > s.places_low[at(corner.place)] ? 1 : -1;
-  const auto calc_guard = [&](std::span<const double> places) {
-    return side * (places[at(corner.place)] - corner.knot);
-  };
+  const double side = now.get(corner) > at_begin.get(corner) ? 1 : -1;
+  const auto calc_guard = [&](const CornerPlaces& places) { return side * (places.get(corner) - corner.knot); };
   Bracket bracket{0, end - start.t, 0};
   const double tolerance = std::max(kLocated * bracket.to, run.plan.get_slack());
-  double low = calc_guard(s.places_low), high = calc_guard(run.ev().law_places), middle = 0, reached = end;
+  double low = calc_guard(at_begin), high = calc_guard(now), middle = 0, reached = end;
   // Behind a jump the law decides anew: the sub-step ends behind the crossing.
   const double least = corner.jumps ? run.plan.get_slack() : 0;
   double beyond = 0;
@@ -244,7 +247,7 @@ bool may_split_at_corner(Run& run) {
     const double x = std::max(next.time, least) + beyond;
     reached = std::min(start.t + x, end);
     if (!try_substep(run, start, reached)) return kFailed;
-    const double guard = calc_guard(run.ev().law_places);
+    const double guard = calc_guard(now);
     double& replaced = guard >= 0 ? high : low;
     middle = replaced;
     replaced = guard;
@@ -262,7 +265,6 @@ bool may_split_at_corner(Run& run) {
 // law comes back within it, so the part up to a corner that was found is searched again until it has none, and ends in
 // the middle if a law has gone and come back there.
 [[gnu::noinline]] double find_first_corner_time(Run& run, const SubstepStart& start, double end) {
-  const EventSearch& s = run.search();
   PassedCorner ended;
   for (int i = 0; i < kMostCornerSplits; ++i) {
     const double reached = find_corner_time(run, start, end, ended);
@@ -270,7 +272,8 @@ bool may_split_at_corner(Run& run) {
     if (reached < end) {
       end = reached;
     } else {
-      const PassedPlaces places{s.places_low, run.ev().middle_places, run.ev().law_places};
+      const PassedPlaces places{
+          get_low(run.search()), {run.ev().middle_places, run.ev().middle_altitudes}, get_now(run.ev())};
       if (!passes_and_returns(run.plan, start.t, end, places) || !may_split_at_corner(run)) return end;
       end = 0.5 * (start.t + end);
       if (!try_substep(run, start, end)) return kFailed;
@@ -387,7 +390,7 @@ Reached advance_to_event(Run& run, double now, double target, Contacts contacts,
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
   if (end == target && may_split && run.plan.sought_corners) {  // the evaluation is of that time
-    if (!run.plan.laws.corners.empty()) end = find_first_corner_time(run, start, end);
+    if (run.plan.place_corners) end = find_first_corner_time(run, start, end);
     if (!run.plan.varying.empty() && end != kFailed) end = find_burnt_knot_time(run, start, end);
     if (!run.plan.contacts.empty() && end != kFailed) end = find_feature_time(run, start, end);
   }

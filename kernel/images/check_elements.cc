@@ -171,8 +171,11 @@ void PlanCheck::check_air() {
     require_optional(term.rate, 3);
     require_optional(term.law, plan_.laws.list.size());
   }
-  for (const PlanAerodynamics& own : plan_.aerodynamics) {
-    require(plan_.environment.has_air);
+  for (std::size_t i = 0; i < plan_.air_corners.size(); ++i)
+    require(i == 0 || plan_.air_corners[i] > plan_.air_corners[i - 1]);
+  for (std::size_t i = 0; i < plan_.aerodynamics.size(); ++i) {
+    const PlanAerodynamics& own = plan_.aerodynamics[i];
+    require(plan_.environment.has_air && own.number == static_cast<std::int32_t>(i));
     require_body(own.body);
     require_element(own.element);
     require_range(own.first, own.count, plan_.aero_terms.size());

@@ -15,8 +15,9 @@ void PlanCheck::check_numbers() {
   require_kind(options.instruction_set, InstructionSet::k512);
   for (const bool* flag :
        {&plan_.rigid, &plan_.plain, &plan_.commanded_loads, &plan_.pair_forces, &plan_.commanded_events,
-        &plan_.law_numbers.strict, &plan_.time_corners, &plan_.sought_corners, &plan_.environment.exists,
-        &plan_.environment.has_air, &plan_.environment.planet.falling, &plan_.environment.planet.gradient_torque})
+        &plan_.law_numbers.strict, &plan_.time_corners, &plan_.place_corners, &plan_.sought_corners,
+        &plan_.environment.exists, &plan_.environment.has_air, &plan_.environment.planet.falling,
+        &plan_.environment.planet.gradient_torque})
     require_flag(*flag);
   for (const std::int32_t count :
        {plan_.loop_rows, plan_.loop_columns, plan_.loop_load_rows, plan_.loop_modal_rows, plan_.ring_rows,

@@ -131,6 +131,7 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
 
 void keep_middle_places(Evaluation& ev) {
   std::copy_n(ev.law_places.begin(), ev.middle_places.size(), ev.middle_places.begin());
+  std::copy(ev.altitudes.begin(), ev.altitudes.end(), ev.middle_altitudes.begin());
 }
 
 int integrate_explicitly(const Instant& middle, const Instant& end, const SubstepStart& start, Evaluation& ev) {
@@ -142,7 +143,7 @@ int integrate_explicitly(const Instant& middle, const Instant& end, const Subste
   if (const int node = evaluate_stage(middle, Loads::kUpdate, start, ev); node != kNone) return node;
   kernels.advance_stage(plan, ev, kInner, 0.5 * h);
   if (const int node = evaluate_stage(middle, Loads::kKeep, start, ev); node != kNone) return node;
-  if (!plan.laws.corners.empty()) keep_middle_places(ev);
+  if (plan.place_corners) keep_middle_places(ev);
   kernels.advance_stage(plan, ev, kInner, h);
   if (const int node = evaluate_stage(end, Loads::kUpdate, start, ev); node != kNone) return node;
   kernels.finish_stages(plan, ev, kOuter, h);
@@ -158,7 +159,7 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
   kernels.restart(plan, ev);
   const Instant first_stage{plan, now.inputs, now.state, start.t, first, Branches::kHold};
   if (const int node = evaluate_stage(first_stage, Loads::kUpdate, start, ev); node != kNone) return node;
-  if (!plan.laws.corners.empty()) keep_middle_places(ev);  // it has no stage in the middle: those of the beginning
+  if (plan.place_corners) keep_middle_places(ev);  // it has no stage in the middle: those of the beginning
   lead_modal_rates(plan, first, ev);
   kernels.finish_first_stage(plan, ev, h, first.gamma_h);
   const Implicit second = begin_second_stage(plan, first, ev);
@@ -180,7 +181,7 @@ int integrate_contacts(const Instant& now, const SubstepStart& start, double end
     const double t = last ? end : start.t + h * ContactStages::get_time(i);
     const Instant stage{plan, now.inputs, now.state, t, {}, Branches::kHold};
     if (const int node = evaluate_stage(stage, Loads::kUpdate, start, ev); node != kNone) return node;
-    if (!last && !plan.laws.corners.empty()) keep_middle_places(ev);  // at last those of 0.73 h
+    if (!last && plan.place_corners) keep_middle_places(ev);  // at last those of 0.73 h
     stages.finish(i);
   }
   return project({plan, now.inputs, now.state, end}, start, ev);

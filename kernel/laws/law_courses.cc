@@ -13,6 +13,7 @@ namespace unlatch {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = 3.14159265358979323846;
 
 // Ways of arguments beyond which a function may rise and fall between the beginning, the middle and the end.
@@ -223,7 +224,11 @@ struct LawCourses::Context {
 };
 
 LawCourses::LawCourses(const Model& model, const Plan& plan)
-    : plan_(plan), seen_(model.laws.size()), sides_(at(get_data(plan).law_numbers.places)) {
+    : plan_(plan),
+      seen_(model.laws.size()),
+      sides_(at(get_data(plan).law_numbers.places)),
+      coordinates_(sides_.size(), Course{kNan, kNan, kNan, kNan, kNan}),
+      found_(sides_.size()) {
   for (const Table& table : model.tables) {
     const auto [low, high] = std::ranges::minmax(table.values);
     // A spline swings about its values by some tenths of a jump.
@@ -248,28 +253,49 @@ void LawCourses::update(std::span<const int> laws, std::span<const double> comma
   }
 }
 
-Course LawCourses::look_up(const Context& context, int table, const Course* coordinates, Bounds bounds,
-                           Marks& marks) const {
+// The table's numbers at the three instants. Those of the latest look-up at the same place are taken again: one course
+// begins where another has ended.
+Course LawCourses::find(const Context& context, const PlanLawStep& step, const Course* coordinates) {
   const PlanLaws& laws = context.plan.laws;
-  const PlanTable& own = laws.tables[at(table)];
-  const auto find = [&](double Course::*instant) {
+  const PlanTable& own = laws.tables[at(step.subject)];
+  Course* const known = &coordinates_[at(step.place)];
+  const auto is_known = [&](double Course::*instant, double Course::*then) {
+    for (std::int32_t i = 0; i < own.axis_count; ++i)
+      if (!(known[i].*then == coordinates[i].*instant)) return false;
+    return true;
+  };
+  Course& latest = found_[at(step.place)];
+  const auto find_at = [&](double Course::*instant) {
+    for (double Course::*const then : {instant, &Course::end, &Course::begin, &Course::middle})
+      if (is_known(instant, then)) return latest.*then;
     double places[kMostTableAxes];
     for (std::int32_t i = 0; i < own.axis_count; ++i) places[i] = coordinates[i].*instant;
     TableExit unused;
     return calc_table(laws, own, places, unused);
   };
-  const Course values{find(&Course::begin), find(&Course::middle), find(&Course::end), 0, 0};
+  const Course values{find_at(&Course::begin), find_at(&Course::middle), find_at(&Course::end), 0, 0};
+  std::copy_n(coordinates, own.axis_count, known);
+  latest = values;
+  return values;
+}
+
+Course LawCourses::look_up(const Context& context, const PlanLawStep& step, const Course* coordinates, Bounds bounds,
+                           Marks& marks) {
+  const PlanLaws& laws = context.plan.laws;
+  const PlanTable& own = laws.tables[at(step.subject)];
+  const Course values = find(context, step, coordinates);
   for (std::int32_t i = 0; i < own.axis_count; ++i) {
     const PlanTableAxis& axis = laws.axes[at(own.first_axis + i)];
     const double* const knots = &laws.numbers[at(axis.knots)];
     const Course& x = coordinates[i];
+    if (x.low >= get_least(x) && x.high <= get_greatest(x)) continue;
     if (count_knots(knots, axis.count, x.low, x.high) <= count_knots(knots, axis.count, get_least(x), get_greatest(x)))
       continue;
     marks.sharp = true;
     if (bounds == Bounds::kWhole)
-      return rescale_all(
-          own, context.inputs,
-          bound(values.begin, values.middle, values.end, of_tables_[at(table)].first, of_tables_[at(table)].second));
+      return rescale_all(own, context.inputs,
+                         bound(values.begin, values.middle, values.end, of_tables_[at(step.subject)].first,
+                               of_tables_[at(step.subject)].second));
   }
   // Within a cell it is off its three values by little more than its middle is off the chord.
   const double bulge = std::abs(values.begin - 2 * values.middle + values.end);
@@ -315,7 +341,7 @@ Course LawCourses::calc(const Context& context, int law, Bounds bounds, Marks& m
       }
       case Kind::kTable: {
         top -= plan.tables[at(step.subject)].axis_count;
-        const Course found = look_up(context, step.subject, top, bounds, here);
+        const Course found = look_up(context, step, top, bounds, here);
         put(top++, found, here);
         break;
       }

@@ -224,6 +224,11 @@ struct Evaluation {
   std::span<double> middle_places;   // those in the middle of the latest sub-step, by its stages; none without corners
   std::span<TableExit> table_exits;  // per table
 
+  // computed by update_forces(), if PlanData::air_corners has some; per aerodynamics, as there: the altitude of its
+  // body
+  std::span<double> altitudes;         // m; NaN while it is off
+  std::span<double> middle_altitudes;  // as middle_places
+
   // computed by begin_compliance() and begin_second_stage()
   std::span<CompliantSpring> compliant;  // as PlanData::compliant
 
@@ -309,8 +314,9 @@ struct EventSearch {
   std::span<double> tolerances;               // a guard within this of zero acts together with the located one
   std::span<double> rates_low, rates_high;    // per pair: Evaluation::pair_rates at both ends of the sub-step
   std::span<double> places_low;               // Evaluation::law_places at the start of the sub-step
+  std::span<double> altitudes_low;            // Evaluation::altitudes at the start of the sub-step
   std::span<PairFeature> features_low;        // Evaluation::pair_features at the start of the sub-step
-  std::int32_t corners;                       // of laws at which this step has been split
+  std::int32_t corners;                       // of laws and of the air at which this step has been split
   std::int32_t features;                      // changes of features at which it has been split
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // of values, for the evaluation of one guard

@@ -56,6 +56,7 @@ struct PlanNumbers {
   bool pair_forces = false;             // there is an element other than loads
   std::int32_t rigid_pairs = 0;         // of PlanLists::contact_pairs, those of rigid contacts
   bool time_corners = false;            // forces may have some whose time is known: kernel/events/corners.h
+  bool place_corners = false;           // likewise some at places that laws or altitudes pass
   bool sought_corners = false;          // likewise some that a sub-step is searched for, or closed pairs have
 
   PlanLawNumbers law_numbers;

@@ -120,6 +120,7 @@ struct PlanAeroTerm {
 };
 struct PlanAerodynamics {
   std::int32_t body, element;
+  std::int32_t number;        // in PlanData::aerodynamics
   std::int32_t first, count;  // into PlanData::aero_terms
   double area;
   Vec3 lengths, point;
@@ -162,6 +163,7 @@ struct PlanElementLists {
   List<AirLayer> air_layers;  // of the standard atmosphere
   List<AirKnot> air_knots;    // of the atmosphere
   List<WindKnot> wind_knots;  // of the wind
+  List<double> air_corners;   // altitudes where the air or the wind has a corner, rising, m; none without aerodynamics
   List<PlanProfile> profiles;
   List<Knot> knots;
   List<Profile::Harmonic> harmonics;
@@ -195,6 +197,7 @@ struct PlanElementLists {
     use(lists.air_layers...);
     use(lists.air_knots...);
     use(lists.wind_knots...);
+    use(lists.air_corners...);
     use(lists.profiles...);
     use(lists.knots...);
     use(lists.harmonics...);

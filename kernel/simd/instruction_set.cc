@@ -3,7 +3,7 @@
 namespace unlatch {
 
 bool is_supported(InstructionSet set) {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(UNLATCH_BASELINE_ONLY)
   if (set == InstructionSet::k256) return __builtin_cpu_supports("avx2");
   if (set == InstructionSet::k512)
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&

@@ -67,6 +67,7 @@ class MemberPlacer {
     pass(next_.friction, plan.frictions);
     pass(next_.law, plan.laws.list);
     pass(next_.table, plan.laws.tables);
+    pass(next_.aerodynamics, plan.aerodynamics);
     next_.law_place += plan.law_numbers.places;
     next_.signal += plan.signal_count;
     next_.sensor += plan.sensor_count;

@@ -165,6 +165,7 @@ class SideBySide {
     std::copy(ev_.guards.begin(), ev_.guards.end(), search_.guards_low.begin());
     std::copy(ev_.pair_rates.begin(), ev_.pair_rates.end(), search_.rates_low.begin());
     std::copy_n(ev_.law_places.begin(), search_.places_low.size(), search_.places_low.begin());
+    std::copy(ev_.altitudes.begin(), ev_.altitudes.end(), search_.altitudes_low.begin());
     const Instant end = get_instant(end_);
     const SubstepStart start = begin_substep(get_instant(begin_), Contacts::kExplicit, ev_);
     if (integrate(end, start, end_, ev_) != kNone || evaluate(end, Changed::kVelocities, ev_) != kNone) return false;
@@ -189,9 +190,10 @@ class SideBySide {
           high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
         return false;
     if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
-    if (!own.laws.corners.empty()) {
-      const PassedPlaces places{get_places(m, search_.places_low), get_places(m, ev_.middle_places),
-                                get_places(m, ev_.law_places)};
+    if (own.place_corners) {
+      const PassedPlaces places{{get_places(m, search_.places_low), get_altitudes(m, search_.altitudes_low)},
+                                {get_places(m, ev_.middle_places), get_altitudes(m, ev_.middle_altitudes)},
+                                {get_places(m, ev_.law_places), get_altitudes(m, ev_.altitudes)}};
       if (find_corner(own, begin_, end_, places.at_begin, places.at_end).place != kNone ||
           passes_and_returns(own, begin_, end_, places))
         return false;
@@ -200,7 +202,7 @@ class SideBySide {
         find_burnt_knot(own, begin_, end_, get_burnt(m, state_.auxiliary), get_burnt(m, ev_.auxiliary.now)).mass !=
             kNone)
       return false;
-    if (runs_[m].log != nullptr && !own.laws.empty() &&
+    if (runs_[m].log != nullptr && (!own.laws.empty() || !own.air_corners.empty()) &&
         mark_corners(own, *runs_[m].state, begin_, end_, get_course(m)).any())
       return false;  // its own step logs it
     const auto first = at(data_.members[m].pair);
@@ -215,12 +217,19 @@ class SideBySide {
     return places.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
   }
 
+  std::span<const double> get_altitudes(std::size_t m, std::span<const double> altitudes) const {
+    const PlanData& own = get_data(*runs_[m].plan);
+    return own.air_corners.empty() ? std::span<const double>{}
+                                   : altitudes.subspan(at(data_.members[m].aerodynamics), own.aerodynamics.size());
+  }
+
   LawCourse get_course(std::size_t m) const {
     const auto branches = [&](std::span<const std::int32_t> all) {
       return all.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
     };
-    return {get_places(m, search_.places_low), get_places(m, ev_.law_places), branches(ev_.branches_at_start),
-            branches(ev_.branches)};
+    return {get_places(m, search_.places_low),       get_places(m, ev_.law_places),
+            branches(ev_.branches_at_start),         branches(ev_.branches),
+            get_altitudes(m, search_.altitudes_low), get_altitudes(m, ev_.altitudes)};
   }
 
   bool leaves_table(std::size_t m) const {

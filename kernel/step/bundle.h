@@ -19,7 +19,7 @@ struct Stretch {
 // A run: where its items begin in each list of the joined plan.
 struct BundleMember {
   std::int32_t body, joint, event, signal, pair, one_sided, bearing, sensor, quantity, channel, load, friction, law,
-      law_place, table;
+      law_place, table, aerodynamics;
   std::array<Stretch, kElementKinds> elements;  // by kind
   std::array<Stretch, 2> auxiliary;             // masses burnt; totals of contacts
   std::vector<std::int32_t> coordinates;        // each of its driven coordinates in the joined plan

@@ -139,7 +139,7 @@ class Linearisation {
     for (std::size_t i = 0; i < plan_.flexible.size(); ++i) {
       for (int k = 0; k < plan_.flexible[i].modes; ++k) {
         clear();
-        get_work(plan_.flexible[i], ev()).force[k] = 1;
+        get_work(plan_.flexible[i], ev()).force[at(k)] = 1;
         solve(velocities_.modal(i) + k);
       }
     }

@@ -62,7 +62,8 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
 
 LawCourse get_course(const Run& run) {
   const Evaluation& ev = run.ev();
-  return {run.search().places_low, ev.law_places, ev.branches_at_start, ev.branches};
+  return {run.search().places_low,    ev.law_places, ev.branches_at_start, ev.branches,
+          run.search().altitudes_low, ev.altitudes};
 }
 
 // Logs the end of the sub-step that began at `begin`. A law that jumps there has the value that the stages approached;

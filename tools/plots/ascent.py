@@ -35,5 +35,5 @@ def add(figure, tools):
 
     @figure("boosters-air")
     def air(bench):
-        return campaign.draw(bench, tools, "boosters/campaign-air.yaml", ["away1", "away2", "away3", "away4"], "centre of a booster from the core's axis at 2 s", "m",
-                             labels=("booster 1, above", "booster 2", "booster 3, below", "booster 4"), colours=("#1d3557", "#457b9d", "#e09f3e", "#9b5de5"))
+        return campaign.draw(bench, tools, "boosters/campaign-air.yaml", ["away1", "away2", "away3", "away4"], "centre from the core's axis at 2 s", "m",
+                             labels=("booster 1, above", "booster 2", "booster 3, below", "booster 4"), colours=("#1d3557", "#457b9d", "#e09f3e", "#9b5de5"), rows=16)

@@ -54,12 +54,15 @@ LawWatch::LawWatch(const Model& model, const Plan& plan, Laws laws)
     Watched watched{.law = static_cast<int>(i),
                     .behind = list_laws_behind(model, static_cast<int>(i)),
                     .bodies = bodies[i],
+                    .whole = {},
                     .rising = {}};
     const std::set<int> own = list_read(model, watched.behind);
     if (laws == Laws::kOfTime &&
         (own.empty() || !std::ranges::all_of(own, [&](int q) { return is_time(model.quantities[at(q)]); })))
       continue;
     read.insert(own.begin(), own.end());
+    for (const int law : watched.behind)
+      if (std::ranges::find(behind_, law) == behind_.end()) behind_.push_back(law);
     watched_.push_back(std::move(watched));
   }
   for (const int quantity : read) {
@@ -92,8 +95,7 @@ bool LawWatch::follow(const Piece& piece) {
   return smooth;
 }
 
-// The law over a part of the piece.
-const Course& LawWatch::calc(const Watched& watched, double from, double to, LawCourses::Sides sides) {
+void LawWatch::set_quantities(double from, double to) {
   for (const Path& path : paths_) {
     const double rise = path.end - path.begin;
     const auto value = [&](double s) { return path.begin + s * (rise + path.bend * (s - 1)); };
@@ -107,6 +109,19 @@ const Course& LawWatch::calc(const Watched& watched, double from, double to, Law
       course.high = std::max(course.high, value(top));
     }
   }
+}
+
+// All laws over the whole piece; those that several of them read once.
+void LawWatch::look_at_all() {
+  set_quantities(0, 1);
+  courses_.update(behind_, commands_, quantities_);
+  for (Watched& watched : watched_)
+    watched.whole = {courses_.get(watched.law), courses_.get_hidden(watched.law), courses_.get_marks(watched.law)};
+}
+
+// The law over a part of the piece.
+const Course& LawWatch::calc(const Watched& watched, double from, double to, LawCourses::Sides sides) {
+  set_quantities(from, to);
   courses_.update(watched.behind, commands_, quantities_, sides);
   return courses_.get(watched.law);
 }
@@ -187,14 +202,13 @@ double LawWatch::find_step(const Watched& watched, double top, double width) {
 }
 
 // What the step passed over, if anything; its error has the law's unit.
-std::optional<PassedOver> LawWatch::measure(Watched& watched, const Piece& piece, const Course& whole) {
+std::optional<PassedOver> LawWatch::measure(Watched& watched, const Piece& piece) {
   const double end = kEnd * dt_ / (piece.to - piece.from);
   if (!(end < 0.1)) return {};
   look_.integral = look_.jump = 0;
   look_.left = watched.evaluations;
-  look_.size = std::max(watched.largest, get_size(whole));
-  if (const double hidden = courses_.get_hidden(watched.law); std::isfinite(hidden))
-    look_.size = std::max(look_.size, hidden);
+  look_.size = std::max(watched.largest, get_size(watched.whole.course));
+  if (std::isfinite(watched.whole.hidden)) look_.size = std::max(look_.size, watched.whole.hidden);
   look_.samples.clear();
   look_at(watched, end, 1 - end, 0);
   const Course first = calc(watched, 0, end);
@@ -203,7 +217,7 @@ std::optional<PassedOver> LawWatch::measure(Watched& watched, const Piece& piece
   for (const Sample& sample : look_.samples) watched.largest = std::max(watched.largest, std::abs(sample.value));
   watched.largest = std::max({watched.largest, get_size(first), get_size(last)});
   if (!std::isfinite(look_.integral)) return {};
-  const double taken = (first.begin + 4 * whole.middle + last.end) / 6;
+  const double taken = (first.begin + 4 * watched.whole.course.middle + last.end) / 6;
   const double error = std::abs(look_.integral / (1 - 2 * end) - taken);
   const double jump = std::max({look_.jump, std::abs(first.end - first.begin), std::abs(last.end - last.begin)});
   PassedOver passed{.law = watched.law, .error = std::max(error, jump), .bodies = watched.bodies};
@@ -214,7 +228,8 @@ std::optional<PassedOver> LawWatch::measure(Watched& watched, const Piece& piece
 }
 
 // Of a law that only rises, or only falls, over the piece: by Simpson's rule for both halves.
-PassedOver LawWatch::measure_rise(const Watched& watched, const Piece& piece, const Course& whole) {
+PassedOver LawWatch::measure_rise(const Watched& watched, const Piece& piece) {
+  const Course& whole = watched.whole.course;
   const Course first = calc(watched, 0, 0.5), last = calc(watched, 0.5, 1);
   const double halves = (first.begin + 4 * (first.middle + last.middle) + 2 * first.end + last.end) / 12;
   const double taken = (whole.begin + 4 * whole.middle + whole.end) / 6;
@@ -252,7 +267,8 @@ void LawWatch::report(const Watched& watched, PassedOver passed) {
 
 // Looks into a piece over which the law may hide something. A law that rises steeply, and is largest at the end of the
 // piece, as a bell far from its middle does, is judged when it has ceased to rise: only then is its size known.
-void LawWatch::judge(Watched& watched, const Piece& piece, const Course& whole) {
+void LawWatch::judge(Watched& watched, const Piece& piece) {
+  const Course& whole = watched.whole.course;
   constexpr double kSteep = 1.5;
   const double size = get_size(whole), before = watched.seen;
   const bool rises = size > kSteep * before;
@@ -263,8 +279,8 @@ void LawWatch::judge(Watched& watched, const Piece& piece, const Course& whole) 
     watched.rising.reset();
   }
   const double bend = std::abs(whole.begin - 2 * whole.middle + whole.end);
-  const double hidden = courses_.get_hidden(watched.law);
-  const bool sharp = courses_.get_marks(watched.law).sharp && hidden + bend > kFlat * watched.largest;
+  const double hidden = watched.whole.hidden;
+  const bool sharp = watched.whole.marks.sharp && hidden + bend > kFlat * watched.largest;
   if (!sharp && bend <= kBent * watched.largest) {
     watched.evaluations = std::min(2 * watched.evaluations, kMostEvaluations);
     return;
@@ -275,11 +291,11 @@ void LawWatch::judge(Watched& watched, const Piece& piece, const Course& whole) 
     watched.rises_smoothly = smoothly;
   };
   if (sharp && rises && hidden <= kFlat * watched.largest) {
-    keep(measure_rise(watched, piece, whole), true);
+    keep(measure_rise(watched, piece), true);
     return;
   }
   const double largest = watched.largest;
-  const std::optional<PassedOver> passed = measure(watched, piece, whole);
+  const std::optional<PassedOver> passed = measure(watched, piece);
   if (!passed)  // as at the last steps: what bounds cannot decide is not worth many looks
     watched.evaluations = std::max(watched.evaluations / 2, kFewestEvaluations);
   else if (rises && watched.largest <= kSteep * largest)
@@ -293,10 +309,10 @@ std::span<const PassedOver> LawWatch::update(const Piece& piece, std::span<const
   if (watched_.empty() || !(piece.to > piece.from)) return {};
   commands_ = commands;
   const bool smooth = follow(piece);
+  look_at_all();
   for (Watched& watched : watched_) {
-    const Course whole = calc(watched, 0, 1);
-    const bool is_split = laws_ == Laws::kOfTime && courses_.get_marks(watched.law).split;
-    if (is_number(whole) && smooth && !is_split) judge(watched, piece, whole);
+    const bool is_split = laws_ == Laws::kOfTime && watched.whole.marks.split;
+    if (is_number(watched.whole.course) && smooth && !is_split) judge(watched, piece);
   }
   return passed_;
 }

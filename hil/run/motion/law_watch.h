@@ -63,6 +63,11 @@ class LawWatch {
 
  private:
   static constexpr int kMostEvaluations = 600, kFewestEvaluations = 15;  // of a law in a step
+  struct Overview {
+    Course course;
+    double hidden = 0;
+    LawCourses::Marks marks;
+  };
   struct Watched {
     int law;
     std::vector<int> behind;  // laws that it reads, and itself
@@ -70,6 +75,7 @@ class LawWatch {
     double largest = 0;  // of its size so far
     double seen = 0;     // of that at the instants that the steps saw
     int evaluations = kMostEvaluations;
+    Overview whole;                    // of the latest piece
     std::optional<PassedOver> rising;  // see judge(); its error has the law's unit
     bool rises_smoothly = false;       // measure_rise() has found it: its step is the piece
   };
@@ -92,12 +98,14 @@ class LawWatch {
   };
 
   bool follow(const Piece& piece);
+  void set_quantities(double from, double to);
+  void look_at_all();
   const Course& calc(const Watched& watched, double from, double to,
                      LawCourses::Sides sides = LawCourses::Sides::kDecide);
   void look_at(const Watched& watched, double from, double to, int depth);
-  std::optional<PassedOver> measure(Watched& watched, const Piece& piece, const Course& whole);
-  [[nodiscard]] PassedOver measure_rise(const Watched& watched, const Piece& piece, const Course& whole);
-  void judge(Watched& watched, const Piece& piece, const Course& whole);
+  std::optional<PassedOver> measure(Watched& watched, const Piece& piece);
+  [[nodiscard]] PassedOver measure_rise(const Watched& watched, const Piece& piece);
+  void judge(Watched& watched, const Piece& piece);
   [[nodiscard]] static PassedOver finish_rise(const Watched& watched);
   void report(const Watched& watched, PassedOver passed);
   void set_extreme(const Watched& watched, const Piece& piece, PassedOver& passed);
@@ -107,6 +115,7 @@ class LawWatch {
   const double dt_;
   LawCourses courses_;
   std::vector<Watched> watched_;
+  std::vector<int> behind_;         // laws behind any of them, each behind those that it reads
   std::vector<Path> paths_;         // of the quantities that they read
   std::vector<Course> quantities_;  // the model's
   std::span<const double> commands_;

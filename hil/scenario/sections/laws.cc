@@ -124,7 +124,9 @@ void ScenarioReader::compile_steps(int law, const YamlNode& node, const std::opt
     if (unit && !alone && !dimension_of(*unit).takes(given))
       throw ExpressionError(
           "this expression is " + describe_dimension(given) + ", not " + describe_dimension(dimension_of(*unit)),
-          given.is_plain() ? "multiply it by 1 " + *unit : "give it the unit " + *unit);
+          given.is_plain()                 ? "multiply it by 1 " + *unit
+          : dimension_of(*unit).is_plain() ? "divide it by (1 " + describe_unit(given) + ")"
+                                           : "give it the unit " + *unit);
     Law& compiled = model_.laws[at(law)];
     compiled.steps = operand.is_constant() ? std::vector{LawStep{LawStep::Kind::kConstant, 0, operand.quantity.value}}
                                            : std::move(operand.steps);

@@ -5,6 +5,8 @@
 // the speed, and a body at rest in the air has no force.
 #pragma once
 
+#include <limits>
+
 #include "kernel/elements/effort.h"
 #include "kernel/elements/element_compiler.h"
 #include "kernel/elements/energy_sum.h"
@@ -16,9 +18,10 @@
 
 namespace unlatch {
 
-// In body axes, the moment about the body's origin; N, N m.
+// In body axes, the moment about the body's origin; N, N m. The altitude of its centre of mass, m.
 struct AirForce {
   Vec3 force, moment;
+  double altitude;
 };
 
 struct AerodynamicsKind {
@@ -47,8 +50,8 @@ struct AerodynamicsKind {
     const PlanData& plan = motion.plan();
     const BodyFrame body = motion.get_frame(own.body);
     const PlanEnvironment& environment = plan.environment;
-    const AirFlow flow = calc_air_flow(environment.planet, get_air(plan),
-                                       calc_flight(environment.planet, motion.time(), body.p, body.v), body.R);
+    const Flight flight = calc_flight(environment.planet, motion.time(), body.p, body.v);
+    const AirFlow flow = calc_air_flow(environment.planet, get_air(plan), flight, body.R);
     const Vec3 spin = transpose_times(body.R, body.w - environment.planet.rate * environment.planet.axes.z);
     const Vec3 turning{spin.x * own.lengths.x, spin.y * own.lengths.y, spin.z * own.lengths.z};
     double still[kParts] = {}, turned[kParts] = {};  // sums of the parts without and with a rate
@@ -68,13 +71,18 @@ struct AerodynamicsKind {
     const double along = drag * (still[kDrag] * flow.speed + 0.5 * turned[kDrag]);
     const Vec3 force = Vec3{sum[0], sum[1], sum[2]} - along * flow.velocity;
     const Vec3 moment{own.lengths.x * sum[3], own.lengths.y * sum[4], own.lengths.z * sum[5]};
-    return {force, moment + cross(own.point, force)};
+    return {force, moment + cross(own.point, force), flight.place.geodetic.altitude};
   }
 
   static void add_forces(const Instant& now, const PlanAerodynamics& own, double scale, Evaluation& ev) {
     const AirForce f = calc_force(StageMotion{now, ev}, own);
+    if (!ev.altitudes.empty()) ev.altitudes[at(own.number)] = f.altitude;
     const Mat3 R = get_body_frame(ev, own.body).R;
     push(ev, own.body, scale * (R * f.force), scale * (R * f.moment));
+  }
+  // While it is off.
+  static void rest(const PlanAerodynamics& own, Evaluation& ev) {
+    if (!ev.altitudes.empty()) ev.altitudes[at(own.number)] = std::numeric_limits<double>::quiet_NaN();
   }
   static ElementReading read(const auto& motion, const PlanAerodynamics& own, std::size_t, double scale) {
     return {.force = scale == 0 ? 0 : scale * norm(calc_force(motion, own).force), .scale = scale};

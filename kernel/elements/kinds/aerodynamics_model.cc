@@ -25,7 +25,8 @@ PlanAerodynamics AerodynamicsKind::compile(const Aerodynamics& a, ElementCompile
   std::vector<PlanAeroTerm>& terms = compiler.plan.aero_terms;
   const auto first = static_cast<std::int32_t>(terms.size());
   for (const AeroTerm& term : a.terms) terms.push_back({term.of, term.rate, term.law, term.value});
-  return {a.body, compiler.get_element(), first,          static_cast<std::int32_t>(a.terms.size()),
+  const auto number = static_cast<std::int32_t>(compiler.plan.aerodynamics.size());
+  return {a.body, compiler.get_element(), number,         first, static_cast<std::int32_t>(a.terms.size()),
           a.area, to_vec(a.lengths),      to_vec(a.point)};
 }
 

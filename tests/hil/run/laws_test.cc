@@ -255,6 +255,14 @@ TEST(LawsOfScenarios, MistakesNameTheirPlaceAndWhatWouldBeRight) {
   expect("unit: N}", "unit: newt}", "'newt' is not a unit");
 }
 
+TEST(LawsOfScenarios, ACoefficientThatIsAnAngleSaysWhatToDivideItBy) {
+  EXPECT_THAT(list_mistakes("unlatch: 1\nname: slip\nstep: {dt: 1 ms, until: 1 s}\n"
+                            "environment: {planet: wgs84, atmosphere: us1976}\nstart: {velocity: [1, 0, 0]}\n"
+                            "bodies: {b: {mass: 1, inertia: [1, 1, 1]}}\nquantities: {beta: {sideslip: b}}\n"
+                            "elements: {air: {type: aerodynamics, body: b, area: 1, cy: {expression: -0.6 * beta}}}\n"),
+              HasSubstr("this expression is an angle (rad), not a plain number; divide it by (1 rad)"));
+}
+
 TEST(LawsOfScenarios, AForceMayNotReadWhatFollowsFromTheForces) {
   const std::string text = replace(kBall, "  speed: {velocity: ball}",
                                    "  speed: {velocity: ball}\n  felt: {acceleration: {body: ball, component: x}}");

@@ -13,6 +13,8 @@
 
 namespace unlatch {
 
+struct PlanLawStep;  // kernel/plan/plan_laws.h
+
 // A number over a short time: at its beginning, in its middle and at its end; and bounds of it in between.
 struct Course {
   double begin = 0, middle = 0, end = 0, low = 0, high = 0;
@@ -56,12 +58,14 @@ class LawCourses {
   enum class Bounds { kWhole, kPlain };
   struct Context;
   [[nodiscard]] Course calc(const Context& context, int law, Bounds bounds, Marks& marks);
-  [[nodiscard]] Course look_up(const Context& context, int table, const Course* coordinates, Bounds bounds,
-                               Marks& marks) const;
+  [[nodiscard]] Course look_up(const Context& context, const PlanLawStep& step, const Course* coordinates,
+                               Bounds bounds, Marks& marks);
+  [[nodiscard]] Course find(const Context& context, const PlanLawStep& step, const Course* coordinates);
 
   const Plan& plan_;
-  std::vector<Seen> seen_;                            // by law
-  std::vector<std::int8_t> sides_;                    // by place: the side in the middle
+  std::vector<Seen> seen_;                   // by law
+  std::vector<std::int8_t> sides_;           // by place: the side in the middle
+  std::vector<Course> coordinates_, found_;  // by place: the latest look-up there, and at its first place what it found
   std::vector<std::pair<double, double>> of_tables_;  // bounds of their values, by table
 };
 
