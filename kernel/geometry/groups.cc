@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "unlatch/geometry/group_pair.h"
+#include "unlatch/geometry/reach.h"
 
 namespace unlatch::geometry {
 namespace {
@@ -125,6 +126,53 @@ Extent calc_extent(const ShapeGroup& group, const Placement& at) noexcept {
     out.most = {std::max(out.most.x, most.x), std::max(out.most.y, most.y), std::max(out.most.z, most.z)};
   }
   return out;
+}
+
+namespace {
+
+// m, from the centre of a shape's axes along n, given in its axes.
+double calc_reach(const CompiledShape& shape, const Vec3& n) {
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+    case ShapeKind::kHollow:
+      return shape.bound;
+    case ShapeKind::kCapsule:
+      return std::fabs(n.z) * shape.half_length + shape.r0;
+    case ShapeKind::kBox:
+      return (std::fabs(n.x) * shape.half_size.x + std::fabs(n.y) * shape.half_size.y) +
+             std::fabs(n.z) * shape.half_size.z;
+    case ShapeKind::kHull: {
+      double most = -HUGE_VAL;
+      for (const Vec3& point : shape.points) most = std::max(most, dot(n, point));
+      return most;
+    }
+    case ShapeKind::kHalfSpace:
+      return HUGE_VAL;
+    default: {
+      const double across = std::sqrt(n.x * n.x + n.y * n.y), along = n.z * shape.half_length;
+      return std::max(along + across * shape.r1, across * shape.r0 - along);
+    }
+  }
+}
+
+}  // namespace
+
+double calc_reach(const ShapeGroup& group, const Placement& at, const Vec3& direction) noexcept {
+  const Vec3 in_body = transpose_times(at.R_WB, direction);
+  double most = -HUGE_VAL;
+  for (const CompiledShape& shape : get_parts(group))
+    most = std::max(most, dot(in_body, shape.p_BS) + calc_reach(shape, transpose_times(shape.R_BS, in_body)));
+  return dot(direction, at.p_WB) + most;
+}
+
+double get_exact_depth(const ShapeGroup& group) noexcept {
+  double least = HUGE_VAL;
+  for (const CompiledShape& shape : get_parts(group)) {
+    if (shape.kind == ShapeKind::kBox || shape.kind == ShapeKind::kHull) continue;
+    const bool is_round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
+    least = std::min(least, is_round ? shape.r0 : 0);
+  }
+  return least;
 }
 
 GroupPair::Seen GroupPair::calc_seen(const Placement& at_a, const Placement& at_b) const noexcept {

@@ -181,7 +181,10 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
   }
 }
 
+// Searches the latest interval. Before the first one, and where the search goes on from a knot after a gap, there is
+// none.
 void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
+  if (track.fresh) return;
   track.low.finish([&](double time) { return calc_within(track, window, time); });
   track.high.finish([&](double time) { return -calc_within(track, window, time); });
 }
@@ -197,10 +200,19 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       track.has_last = true;
       continue;
     }
+    // The smallest clearance does not fall below what it is in this piece.
+    if (track.pair >= 0 && r.take == Take::kMinimum && track.low.has_value() &&
+        clearances_.stays_above(track.pair, track.low.get_value())) {
+      finish(track, window);
+      track.fresh = track.skips = true;
+      track.has_last = true;
+      continue;
+    }
+    track.skips = false;
     const bool begins = track.fresh || !window.is_smooth();
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
-    if (begins && !track.fresh) finish(track, window);
+    if (begins) finish(track, window);
     if (is_sampled(r) && begins) track.curve.add(from.time, start, true);
     track.last = start;
     track.has_last = true;
@@ -242,7 +254,7 @@ double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
   const bool open = track.phase == Phase::kOpen && track.has_last && !track.requirement->is_of_events();
   if (!open) return std::nan("");
-  return is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
+  return track.skips || is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
 }
 
 // --- The verdict ----------------------------------------------------------------------------------------------------

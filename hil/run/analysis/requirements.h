@@ -60,6 +60,7 @@ class RequirementMonitor {
     Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
     bool has_last = false, fresh = true;
+    bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
   };
 

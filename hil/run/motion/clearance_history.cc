@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/run/motion/shape_dips.h"
 #include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
@@ -13,6 +12,8 @@ constexpr double kTie = 1e-6;  // m: a distance that changes less is reported as
 // Relative to the size of a pair: motions of rigidly joined bodies, which change the distance by no more than its
 // error.
 constexpr double kStill = 1e-10;
+// Of Track::parted: planes have shown a piece to be skipped, which was computed nevertheless.
+constexpr int kCleared = -1;
 
 }  // namespace
 
@@ -25,6 +26,10 @@ ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
     tracks_[i].size = monitor_.get_size(i);
     tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
   }
+  const std::size_t bodies = scenario.model.bodies.size();
+  const auto get_body = [&](int body) { return body == kGround ? bodies : static_cast<std::size_t>(body); };
+  for (std::size_t i = 0; i < now_.size(); ++i)
+    dips_.emplace_back(monitor_, i, get_body(now_[i].a), get_body(now_[i].b), skipping);
   places_.resize(scenario.model.bodies.size() + 1);  // the ground is the last
   bodies_.resize(scenario.model.bodies.size() + 1);
   for (const Clearance& pair : now_)
@@ -71,9 +76,10 @@ double ClearanceHistory::get_smallest(std::size_t pair) const {
 // Distance below which a result may change: a new smallest value, or a tie with it.
 double ClearanceHistory::get_limit(std::size_t pair) const { return kTie + get_smallest(pair); }
 
-// Tests a bound that is cheaper than that of skip(), and wider: paths of the origins and sums of rotation angles.
-// Inside the piece the interpolated motion departs from its end by less than twice the greater speed times the step.
-bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const {
+// No distance within the piece is below this, m: a bound that is cheaper than that of skip(), and wider, by paths of
+// the origins and sums of rotation angles. Inside the piece the interpolated motion departs from its end by less than
+// twice the greater speed times the step.
+double ClearanceHistory::calc_far(const MotionPiece& piece, std::size_t pair) const {
   const Track& track = tracks_[pair];
   const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
   const auto a = get_index(now_[pair].a), b = get_index(now_[pair].b);
@@ -86,7 +92,7 @@ bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const 
   const double size = norm(reach.centre) + reach.bound;
   const double from = reach.of_b ? turned_a : turned_b;  // rotates the whole distance between the two
   const double most = way + (turned_a + turned_b) * size + from * (norm(track.between) + way);
-  return track.value - most > get_limit(pair);
+  return track.value - most;
 }
 
 const MovingBody& ClearanceHistory::get_end(const MotionPiece& piece, std::size_t body) {
@@ -107,14 +113,28 @@ void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair,
   track.moved = 0;
 }
 
+bool ClearanceHistory::stays_above(int pair, double limit) const {
+  const auto i = static_cast<std::size_t>(pair);
+  const Track& track = tracks_[i];
+  if (track.still) return false;  // the distance is that of the latest knot, which costs nothing
+  if (track.least - kStill * track.size >= limit) return true;  // beyond rounding
+  return dips_[i].stays_above(monitor_, window_->get_present(), limit);
+}
+
 // Returns true if the pair cannot become smaller in the present piece than before, or does not move.
 bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const MotionPiece& piece = window.get_present();
   Track& track = tracks_[pair];
-  track.length = std::numeric_limits<double>::infinity();
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  track.length = kEver;
+  track.least = -kEver;
+  track.still = false;
   if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
   const bool still = track.idle && !track.stale;  // in the piece before: there the wide bound has no margin
-  if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
+  const double far = skipping_ == Skipping::kOn && !still ? calc_far(piece, pair) : -kEver;
+  if (far > get_limit(pair)) {
+    track.least = far;
+    track.parted = 0;
     track.followed = false;
     track.stale = true;
     return true;
@@ -136,6 +156,8 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   if (most <= kStill * track.size) {
     now_[pair].now = track.value;
     now_[pair].rate = 0;
+    track.still = true;
+    track.parted = 0;
     track.stale = track.rateless = false;
     if (track.value <= track.tie + kTie && piece.to > now_[pair].tie.to) {
       now_[pair].tie.to = piece.to;
@@ -143,12 +165,25 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
     }
     return true;
   }
+  if (skipping_ == Skipping::kOff) return false;
+  track.least = track.value - most;
   const double room = track.value - get_limit(pair);
-  if (skipping_ == Skipping::kOff || !(room > most)) return false;
+  const bool near = !(room > most);
+  const bool above = near && dips_[pair].stays_above(monitor_, piece, get_limit(pair));
+  // The first such piece is computed: then the searches about its ends are the same as without skipping.
+  const bool first = above && !track.idle && track.parted != kCleared;
+  if (first) track.parted = kCleared;
+  if (near && !above && track.parted == kCleared) track.parted = 0;
+  if (first || (near && !above)) return false;
   track.stale = true;
-  // From a new reference the wide bound is useful again.
+  // From a new reference the wide bound is useful again; while shapes slide along each other, only now and then.
   constexpr double kUsed = 0.25;
+  constexpr int kLongest = 64;
+  track.parted = near ? std::max(track.parted, 0) + 1 : 0;
+  if (track.parted > 0 && track.parted <= track.wait) return true;
+  track.wait = near ? std::min(2 * track.wait, kLongest) : 1;
   if (track.moved > kUsed * room) set_reference(piece, pair, calc(window, static_cast<int>(pair), piece.to));
+  track.parted = near ? 1 : 0;
   return true;
 }
 
@@ -287,12 +322,23 @@ void ClearanceHistory::add(const MotionWindow& window) {
       continue;
     }
     const double before = track.idle ? function(piece.from) : now_[i].now, value = function(piece.to);
+    // Behind a piece that only just could be skipped, the search goes on as if it had not been.
+    const bool resumes = track.idle && track.parted > 0 && window.is_smooth();
+    const bool resumes_released = resumes && track.after_release && track.release_time <= window.get_previous().from;
     const bool begins = track.idle || !window.is_smooth();
+    if (resumes) {
+      const MotionPiece& latest = window.get_previous();
+      const double first = function(latest.from);
+      track.whole.add(latest.from, first, latest.to, before, true, function);
+      if (resumes_released) track.released.add(latest.from, first, latest.to, before, true, function);
+    }
+    if (track.parted != kCleared) track.parted = 0;
     track.idle = track.stale = track.rateless = false;
     set_reference(piece, i, value);
-    track.whole.add(piece.from, before, piece.to, value, begins, function);
-    if (track.after_release) track.released.add(piece.from, before, piece.to, value, begins, function);
-    look_between_knots(piece, i);
+    track.whole.add(piece.from, before, piece.to, value, begins && !resumes, function);
+    if (track.after_release)
+      track.released.add(piece.from, before, piece.to, value, begins && !resumes_released, function);
+    look_between_knots(piece, i, before, value);
     if (track.whole.get_time() != smallest_time) keep_places(window, i);
     find_touch(window, i, before > 0 && value <= 0, function);
     if (piece.to > piece.from) now_[i].rate = (value - before) / (piece.to - piece.from);
@@ -301,15 +347,14 @@ void ClearanceHistory::add(const MotionWindow& window) {
 }
 
 // Looks for pairs of shapes that are nearest inside the piece, and at neither end of it.
-void ClearanceHistory::look_between_knots(const MotionPiece& piece, std::size_t pair) {
+void ClearanceHistory::look_between_knots(const MotionPiece& piece, std::size_t pair, double before, double value) {
   Track& track = tracks_[pair];
-  const std::optional<Dip> dip = find_dip(monitor_, piece,
-                                          {.pair = pair,
-                                           .a = get_index(now_[pair].a),
-                                           .b = get_index(now_[pair].b),
-                                           .length = track.length,
-                                           .limit = get_smallest(pair),
-                                           .resolution = get_resolution(static_cast<int>(pair))});
+  const std::optional<Dip> dip = dips_[pair].find(monitor_, piece,
+                                                  {.length = track.length,
+                                                   .limit = get_smallest(pair),
+                                                   .resolution = get_resolution(static_cast<int>(pair)),
+                                                   .at_from = before,
+                                                   .at_to = value});
   if (!dip) return;
   track.whole.take(dip->time, dip->value);
   if (track.after_release) track.released.take(dip->time, dip->value);

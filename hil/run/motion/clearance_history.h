@@ -9,16 +9,15 @@
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/motion_window.h"
 #include "hil/run/motion/relative_motion.h"
+#include "hil/run/motion/shape_dips.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/shapes/clearance.h"
 
 namespace unlatch::hil {
 
-// Pieces of motion in which no result can change: kOn skips them, kOff computes them; the results have the same bits.
-enum class Skipping { kOn, kOff };
-
 class ClearanceHistory {
  public:
+  // `skipping`: of pieces of motion in which no result can change.
   explicit ClearanceHistory(const Scenario& scenario, Skipping skipping = Skipping::kOn);
 
   // Begins at a state that no step produced.
@@ -38,6 +37,8 @@ class ClearanceHistory {
     return now_[static_cast<std::size_t>(pair)].now;
   }
   [[nodiscard]] double calc(const MotionWindow& window, int pair, double time) const;
+  // True only if no distance within the present piece is below `limit`, m: a cheap bound.
+  [[nodiscard]] bool stays_above(int pair, double limit) const;
   [[nodiscard]] const std::vector<Clearance>& get() const;
   // Witness points and nearest shapes of a pair at its smallest value.
   [[nodiscard]] PairDistance calc_witnesses(int pair) const;
@@ -59,6 +60,9 @@ class ClearanceHistory {
     double length = 0;                  // m, of the relative motion within the piece, if the piece was not skipped
     RelativeMotion latest;              // at the latest knot
     bool followed = true;               // `latest` is up to date
+    bool still = false;                 // the pair does not move within the piece
+    double least = 0;                   // m, no distance within the piece is below it; −infinity: not known
+    int parted = 0, wait = 1;           // pieces that planes alone showed to be skipped; of them to the next reference
     bool idle = false;                  // pieces were skipped; the next computed piece begins anew
     mutable bool stale = false;         // `now` and `rate` of the latest knot are not computed
     mutable bool rateless = false;      // `now` alone is
@@ -78,13 +82,13 @@ class ClearanceHistory {
   [[nodiscard]] double calc_change(std::size_t pair, const RelativeMotion& from, const RelativeMotion& to) const;
   [[nodiscard]] double get_smallest(std::size_t pair) const;
   [[nodiscard]] double get_limit(std::size_t pair) const;
-  [[nodiscard]] bool is_far(const MotionPiece& piece, std::size_t pair) const;
+  [[nodiscard]] double calc_far(const MotionPiece& piece, std::size_t pair) const;
   const MovingBody& get_end(const MotionPiece& piece, std::size_t body);
   bool skip(const MotionWindow& window, std::size_t pair);
   void set_reference(const MotionPiece& piece, std::size_t pair, double value);
   void keep_places(const MotionWindow& window, std::size_t pair);
   void publish(std::size_t pair);
-  void look_between_knots(const MotionPiece& piece, std::size_t pair);
+  void look_between_knots(const MotionPiece& piece, std::size_t pair, double before, double value);
   [[nodiscard]] double calc_fastest(const MotionPiece& piece, std::size_t pair) const;
   void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const TimeFunction& function);
 
@@ -92,6 +96,7 @@ class ClearanceHistory {
   ClearanceMonitor monitor_;
   mutable std::vector<Clearance> now_;
   std::vector<Track> tracks_;
+  mutable std::vector<ShapeDips> dips_;   // of each pair
   std::vector<Body> bodies_;              // by body; only bodies of some pair
   std::vector<MovingBody> places_;        // by body; only fresh ones
   std::vector<int> watched_;              // bodies of some pair

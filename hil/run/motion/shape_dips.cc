@@ -7,10 +7,16 @@
 #include <vector>
 
 #include "hil/run/motion/extreme.h"
-#include "hil/run/motion/relative_motion.h"
+#include "hil/run/motion/motion_bend.h"
+#include "unlatch/geometry/reach.h"
 
 namespace unlatch::hil {
 namespace {
+
+using geometry::Extent;
+using ShapePair = ClearanceMonitor::ShapePair;
+
+constexpr double kEver = std::numeric_limits<double>::infinity();
 
 // Searches for the dips of a function that may have several, from samples.
 void sample(double from, double at_from, double to, double at_to, int count, double resolution,
@@ -35,113 +41,229 @@ int count_samples(double way, double size) {
   return way < kMost * kFine * size ? 1 + static_cast<int>(way / (kFine * size)) : kMost;
 }
 
-using geometry::Extent;
-
-constexpr double kEver = std::numeric_limits<double>::infinity();
-
-// A point of the reach that moves with `seen`, as seen from the body `from`: bounds on its velocity along the axes of
-// `from`, and on how that changes.
-struct SeenSpeed {
-  Vec3 along{0, 0, 0};  // m/s
-  double change = 0;    // m/s²
-};
-SeenSpeed calc_seen_speed(const ClearanceMonitor::Reach& reach, const MovingBody& from, const MovingBody& seen) {
-  const Vec3 arm = seen.at.R_WB * reach.centre, between = (seen.at.p_WB + arm) - from.at.p_WB, turn = seen.w - from.w;
-  const Vec3 v = ((seen.v + cross(seen.w, arm)) - from.v) - cross(from.w, between);
-  const Vec3 in_from = transpose_times(from.at.R_WB, v);
-  const double turning = reach.bound * norm(turn), turns = norm(from.w) + norm(turn);
-  const double far = norm(between) + norm(arm) + reach.bound;
-  const auto& [a, b] = std::pair(from.acceleration, seen.acceleration);
-  return {{std::abs(in_from.x) + turning, std::abs(in_from.y) + turning, std::abs(in_from.z) + turning},
-          norm(b.lin - a.lin) + (norm(a.ang) + norm(b.ang) + turns * turns) * far + 2 * turns * (norm(v) + turning)};
+// Depth up to which two shapes overlap with cores that are apart; two polytopes are exact at any depth.
+double calc_exact_depth(const geometry::ShapeGroup& a, const geometry::ShapeGroup& b) {
+  const double of_a = geometry::get_exact_depth(a), of_b = geometry::get_exact_depth(b);
+  if (std::isinf(of_a) && std::isinf(of_b)) return kEver;
+  return (std::isinf(of_a) ? 0 : of_a) + (std::isinf(of_b) ? 0 : of_b);
 }
 
-// The ways of such points along each axis within the piece, m: at most these.
-Vec3 calc_ways(const SeenSpeed& from, const SeenSpeed& to, double h) {
-  const double bend = std::max(from.change, to.change) * h * h;
-  return {std::max(from.along.x, to.along.x) * h + bend, std::max(from.along.y, to.along.y) * h + bend,
-          std::max(from.along.z, to.along.z) * h + bend};
+// Place of a body as seen from another.
+geometry::Placement see(const geometry::Placement& from, const geometry::Placement& seen) {
+  const Mat3 &R = from.R_WB, &S = seen.R_WB;
+  return {transpose_times(R, seen.p_WB - from.p_WB),
+          {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)}};
 }
 
-// The boxes about single shapes of both sides wherever they get within a piece, in the axes of one of the bodies.
-class Swept {
- public:
-  Swept(const ClearanceMonitor& monitor, const MotionPiece& piece, const DipSearch& search) {
-    const ClearanceMonitor::Reach& reach = monitor.get_reach(search.pair);
-    of_b_ = reach.of_b;
-    const std::vector<geometry::ShapeGroup>&a = monitor.get_shapes_a(search.pair),
-          &b = monitor.get_shapes_b(search.pair);
-    for (const geometry::ShapeGroup& shape : of_b_ ? a : b) still_.push_back(geometry::calc_extent(shape, {}));
-    moving_.assign((of_b_ ? b : a).size(), {{-kEver, -kEver, -kEver}, {kEver, kEver, kEver}});
-    if (!std::isfinite(reach.bound)) return;
-    const std::size_t from = of_b_ ? search.a : search.b, seen = of_b_ ? search.b : search.a;
-    const MovingBody begin_from = get_moving_body(piece.start[from], piece.at_start[from]),
-                     begin_seen = get_moving_body(piece.start[seen], piece.at_start[seen]),
-                     end_from = get_moving_body(piece.end[from], piece.at_end[from]),
-                     end_seen = get_moving_body(piece.end[seen], piece.at_end[seen]);
-    const Vec3 around = 0.5 * calc_ways(calc_seen_speed(reach, begin_from, begin_seen),
-                                        calc_seen_speed(reach, end_from, end_seen), piece.to - piece.from);
-    const geometry::Placement begin = see(begin_from.at, begin_seen.at), end = see(end_from.at, end_seen.at);
-    for (std::size_t i = 0; i < moving_.size(); ++i) {  // a face of a box goes half of the way from its mean at most
-      const geometry::ShapeGroup& shape = (of_b_ ? b : a)[i];
-      const Extent first = geometry::calc_extent(shape, begin), last = geometry::calc_extent(shape, end);
-      moving_[i] = {0.5 * (first.least + last.least) - around, 0.5 * (first.most + last.most) + around};
-    }
-  }
-  // m, by which the boxes of two shapes are apart at least; below 0 they overlap by no more.
-  [[nodiscard]] double calc_gap(const ClearanceMonitor::ShapePair& shapes) const {
-    const Extent &still = still_[of_b_ ? shapes.a : shapes.b], &moving = moving_[of_b_ ? shapes.b : shapes.a];
-    const Vec3 left = still.least - moving.most, right = moving.least - still.most;
-    return std::max({left.x, right.x, left.y, right.y, left.z, right.z});
-  }
-
- private:
-  static geometry::Placement see(const geometry::Placement& from, const geometry::Placement& seen) {
-    const Mat3 &R = from.R_WB, &S = seen.R_WB;
-    return {transpose_times(R, seen.p_WB - from.p_WB),
-            {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)}};
-  }
-
-  bool of_b_ = true;
-  std::vector<Extent> still_, moving_;
-};
-
-// What a distance may be below the gap of two boxes, of the pair's size: rounding, and how exact the depth of an
-// overlap is (kernel/geometry/README.md).
-double calc_inexact(double gap) { return gap > 0 ? 1e-9 : 2e-5; }
+bool is_same_place(const BodyState& a, const BodyState& b) {
+  return a.p.x == b.p.x && a.p.y == b.p.y && a.p.z == b.p.z && a.q.w == b.q.w && a.q.x == b.q.x && a.q.y == b.q.y &&
+         a.q.z == b.q.z;
+}
 
 }  // namespace
 
-std::optional<Dip> find_dip(const ClearanceMonitor& monitor, const MotionPiece& piece, const DipSearch& search) {
-  const std::vector<ClearanceMonitor::ShapePair>& pairs = monitor.get_shape_pairs(search.pair);
+// Both ends of the present piece. One side of the pair is still: all is seen from its body.
+class ShapeDips::Memory {
+ public:
+  Memory(const ClearanceMonitor& monitor, std::size_t pair, std::size_t a, std::size_t b)
+      : pair_(pair), a_(a), b_(b), size_(monitor.get_size(pair)) {
+    const ClearanceMonitor::Reach& reach = monitor.get_reach(pair);
+    of_b_ = reach.of_b;
+    reach_ = norm(reach.centre) + reach.bound;
+    const std::vector<geometry::ShapeGroup>&of_a = monitor.get_shapes_a(pair), &of_b = monitor.get_shapes_b(pair);
+    for (const geometry::ShapeGroup& shape : of_b_ ? of_a : of_b) still_.push_back(geometry::calc_extent(shape, {}));
+    const std::size_t moving = (of_b_ ? of_b : of_a).size();
+    for (Knot& knot : ends_) knot.extents.resize(moving);
+    swept_.resize(moving);
+    for (const ShapePair& shapes : monitor.get_shape_pairs(pair)) {
+      const geometry::ShapeGroup &one = of_a[shapes.a], &other = of_b[shapes.b];
+      Of& of = of_.emplace_back();
+      of.deep = calc_exact_depth(one, other);
+      // How exact a certified distance is, and the depth of an overlap (kernel/geometry/README.md).
+      of.apart = 1e-9 * size_;
+      of.overlap = of.apart + 2e-5 * (2 * (one.bound + other.bound));
+    }
+  }
+
+  // Moves to a piece of motion, if it is another one.
+  void move_on(const ClearanceMonitor& monitor, const MotionPiece& piece) {
+    const bool same =
+        known_ && piece.from == from_ && piece.to == to_ && is_at(piece.start, ends_[0]) && is_at(piece.end, ends_[1]);
+    if (same) return;
+    if (known_ && is_at(piece.start, ends_[1])) {
+      std::swap(ends_[0], ends_[1]);
+      for (Of& of : of_) of.slab[0] = of.slab[1], of.value[0] = of.value[1];
+    } else {
+      for (Of& of : of_) of.slab[0] = of.value[0] = kUnknown;
+      place(monitor, piece.start, ends_[0]);
+    }
+    for (Of& of : of_) of.slab[1] = of.value[1] = kUnknown;
+    place(monitor, piece.end, ends_[1]);
+    known_ = true;
+    from_ = piece.from;
+    to_ = piece.to;
+    // A corner of the box about a shape is no farther from its middle than √3 of its radius.
+    constexpr double kCorner = 1.7320508075688773;
+    bend_ = calc_bend(piece, of_b_ ? a_ : b_, of_b_ ? b_ : a_, kCorner * reach_);
+    for (std::size_t i = 0; i < swept_.size(); ++i) {
+      const Extent &begin = ends_[0].extents[i], &end = ends_[1].extents[i];
+      const Vec3 around{bend_, bend_, bend_};
+      swept_[i] = {Vec3{std::min(begin.least.x, end.least.x), std::min(begin.least.y, end.least.y),
+                        std::min(begin.least.z, end.least.z)} -
+                       around,
+                   Vec3{std::max(begin.most.x, end.most.x), std::max(begin.most.y, end.most.y),
+                        std::max(begin.most.z, end.most.z)} +
+                       around};
+    }
+  }
+
+  // True if the boxes about the two shapes, wherever they get, are so far apart.
+  [[nodiscard]] bool is_beyond(std::size_t i, const ShapePair& shapes, double limit) const {
+    const Extent &still = still_[of_b_ ? shapes.a : shapes.b], &moving = swept_[of_b_ ? shapes.b : shapes.a];
+    const Vec3 left = still.least - moving.most, right = moving.least - still.most;
+    return take_off(i, std::max({left.x, right.x, left.y, right.y, left.z, right.z})) >= limit;
+  }
+
+  // True if the plane that parted the two lately keeps them so far apart.
+  [[nodiscard]] bool is_parted(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, double limit) {
+    Of& of = of_[i];
+    if (!of.has_plane) return false;
+    for (const std::size_t end : {1U, 0U}) {
+      if (!is_known(of.slab[end])) {
+        const geometry::ShapeGroup& moving =
+            of_b_ ? monitor.get_shapes_b(pair_)[shapes.b] : monitor.get_shapes_a(pair_)[shapes.a];
+        of.slab[end] = -geometry::calc_reach(moving, ends_[end].seen, -of.normal) - of.still;
+      }
+      if (!(take_off(i, of.slab[end] - bend_) >= limit)) return false;
+    }
+    return true;
+  }
+
+  // Distance at an end of the piece; of convex shapes, with a plane that parts them there.
+  double calc_value(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, std::size_t end) {
+    Of& of = of_[i];
+    if (is_known(of.value[end])) return of.value[end];
+    const geometry::Distance found = monitor.calc_pair(shapes, ends_[end].at_a, ends_[end].at_b);
+    of.value[end] = found.distance;
+    if (!shapes.convex) return found.distance;
+    const Mat3& R = (of_b_ ? ends_[end].at_a : ends_[end].at_b).R_WB;
+    of.normal = transpose_times(R, of_b_ ? found.normal : -found.normal);
+    const geometry::ShapeGroup& still =
+        of_b_ ? monitor.get_shapes_a(pair_)[shapes.a] : monitor.get_shapes_b(pair_)[shapes.b];
+    of.still = geometry::calc_reach(still, {}, of.normal);
+    of.has_plane = std::isfinite(of.still);
+    of.slab[0] = of.slab[1] = kUnknown;
+    return found.distance;
+  }
+  // Takes a distance at an end that is known already.
+  void take_value(std::size_t i, std::size_t end, double value) { of_[i].value[end] = value; }
+
+  [[nodiscard]] std::size_t get_pair() const { return pair_; }
+  [[nodiscard]] std::size_t get_a() const { return a_; }
+  [[nodiscard]] std::size_t get_b() const { return b_; }
+
+ private:
+  static constexpr double kUnknown = -kEver;  // no distance of shapes is
+  static bool is_known(double value) { return value > kUnknown; }
+
+  struct Knot {
+    BodyState a{}, b{};
+    geometry::Placement at_a{}, at_b{}, seen{};
+    std::vector<Extent> extents;  // of the shapes that move, as seen
+  };
+  // Of a pair of shapes.
+  struct Of {
+    Vec3 normal{0, 0, 0};           // of the plane, from the still shape to the other, as seen
+    double still = 0;               // m, reach of the still shape
+    bool has_plane = false;         //
+    double slab[2]{}, value[2]{};   // m, at both ends: across the plane, and the distance
+    double apart = 0, overlap = 0;  // m, what a computed distance may be below the widest slab; the latter where it
+    double deep = 0;                // is a depth beyond this, m
+  };
+
+  [[nodiscard]] bool is_at(std::span<const BodyState> bodies, const Knot& knot) const {
+    return is_same_place(bodies[a_], knot.a) && is_same_place(bodies[b_], knot.b);
+  }
+  void place(const ClearanceMonitor& monitor, std::span<const BodyState> bodies, Knot& knot) const {
+    knot.a = bodies[a_];
+    knot.b = bodies[b_];
+    knot.at_a = to_placement(knot.a);
+    knot.at_b = to_placement(knot.b);
+    knot.seen = of_b_ ? see(knot.at_a, knot.at_b) : see(knot.at_b, knot.at_a);
+    const std::vector<geometry::ShapeGroup>& moving = of_b_ ? monitor.get_shapes_b(pair_) : monitor.get_shapes_a(pair_);
+    for (std::size_t i = 0; i < moving.size(); ++i) knot.extents[i] = geometry::calc_extent(moving[i], knot.seen);
+  }
+  // Least distance that may be computed, of a slab.
+  [[nodiscard]] double take_off(std::size_t i, double slab) const {
+    return slab - (slab > -of_[i].deep ? of_[i].apart : of_[i].overlap);
+  }
+
+  std::size_t pair_, a_, b_;
+  double size_;
+  bool of_b_ = true;
+  double reach_ = 0;  // m, from the moving body's origin
+  bool known_ = false;
+  double from_ = 0, to_ = 0, bend_ = 0;
+  Knot ends_[2];
+  std::vector<Extent> still_, swept_;
+  std::vector<Of> of_;
+};
+
+ShapeDips::ShapeDips(const ClearanceMonitor& monitor, std::size_t pair, std::size_t a, std::size_t b, Skipping skipping)
+    : memory_(std::make_unique<Memory>(monitor, pair, a, b)), skipping_(skipping) {}
+ShapeDips::~ShapeDips() = default;
+ShapeDips::ShapeDips(ShapeDips&&) noexcept = default;
+ShapeDips& ShapeDips::operator=(ShapeDips&&) noexcept = default;
+
+bool ShapeDips::stays_above(const ClearanceMonitor& monitor, const MotionPiece& piece, double limit) {
+  Memory& memory = *memory_;
+  const std::vector<ShapePair>& pairs = monitor.get_shape_pairs(memory.get_pair());
+  if (skipping_ == Skipping::kOff || pairs.empty() || !(piece.to > piece.from)) return false;
+  memory.move_on(monitor, piece);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (memory.is_beyond(i, pairs[i], limit) || memory.is_parted(monitor, i, pairs[i], limit)) continue;
+    if (!pairs[i].convex || !(memory.calc_value(monitor, i, pairs[i], 1) >= limit)) return false;
+    if (!memory.is_parted(monitor, i, pairs[i], limit)) return false;
+  }
+  return true;
+}
+
+std::optional<Dip> ShapeDips::find(const ClearanceMonitor& monitor, const MotionPiece& piece, const DipSearch& search) {
+  Memory& memory = *memory_;
+  const std::vector<ShapePair>& pairs = monitor.get_shape_pairs(memory.get_pair());
   if (pairs.empty() || !(piece.to > piece.from)) return {};
+  memory.move_on(monitor, piece);
+  if (pairs.size() == 1 && search.at_from) memory.take_value(0, 0, *search.at_from);
+  if (pairs.size() == 1 && search.at_to) memory.take_value(0, 1, *search.at_to);
   const auto place = [&](std::size_t body, double time) { return to_placement(piece.calc_body(body, time)); };
-  const geometry::Placement from_a = to_placement(piece.start[search.a]), from_b = to_placement(piece.start[search.b]);
-  const geometry::Placement to_a = to_placement(piece.end[search.a]), to_b = to_placement(piece.end[search.b]);
+  // What is shallower is left to the knots: faces that lie along each other are nearest all over.
+  constexpr double kShallow = 1e-8;  // of the pair's size
+  const double threshold = search.limit - std::max(search.resolution, kShallow * monitor.get_size(memory.get_pair()));
   Least least;
-  const auto get_limit = [&] { return std::min(search.limit, least.get_value()); };
-  const Swept swept(monitor, piece, search);
-  const double size = monitor.get_size(search.pair);
-  for (const ClearanceMonitor::ShapePair& shapes : pairs) {
-    const double gap = swept.calc_gap(shapes);
-    if (gap - calc_inexact(gap) * size >= get_limit()) continue;
-    // Within the piece the distance is at least the mean of both ends less half of the way.
-    const double bound =
-        monitor.calc_lower_bound(shapes, from_a, from_b) + monitor.calc_lower_bound(shapes, to_a, to_b);
-    if (0.5 * (bound - search.length) >= get_limit()) continue;
-    const auto function = [&](double time) {
-      return monitor.calc_distance(shapes, place(search.a, time), place(search.b, time));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const ShapePair& shapes = pairs[i];
+    const double limit = std::min(threshold, least.get_value());
+    const auto is_skipped = [&] {
+      return skipping_ == Skipping::kOn &&
+             (memory.is_beyond(i, shapes, limit) || memory.is_parted(monitor, i, shapes, limit));
     };
-    const double at_from = monitor.calc_distance(shapes, from_a, from_b);
-    const double at_to = monitor.calc_distance(shapes, to_a, to_b);
+    if (is_skipped()) continue;
+    const double at_from = memory.calc_value(monitor, i, shapes, 0);
+    if (is_skipped()) continue;
+    const double at_to = memory.calc_value(monitor, i, shapes, 1);
+    if (is_skipped()) continue;
+    // Within the piece the distance is at least the mean of both ends less half of the way.
     const double way = 0.5 * (search.length - std::abs(at_from - at_to));
-    if (std::min(at_from, at_to) - way >= get_limit()) continue;
+    if (std::min(at_from, at_to) - way >= limit) continue;
+    const auto function = [&](double time) {
+      return monitor.calc_pair(shapes, place(memory.get_a(), time), place(memory.get_b(), time)).distance;
+    };
     if (shapes.convex)
       least.look_into(piece.from, at_from, piece.to, at_to, search.resolution, function);
     else
       sample(piece.from, at_from, piece.to, at_to, count_samples(way, shapes.size), search.resolution, function, least);
   }
-  if (!(least.get_value() < search.limit - search.resolution)) return {};
+  if (!(least.get_value() < threshold)) return {};
   return Dip{least.get_time(), least.get_value()};
 }
 

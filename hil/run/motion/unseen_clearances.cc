@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "hil/run/motion/relative_motion.h"
-#include "hil/run/motion/shape_dips.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/quantities.h"
 
@@ -46,13 +45,16 @@ struct UnseenClearances::Listed {
 UnseenClearances::UnseenClearances(const Scenario& scenario) : UnseenClearances(Listed(scenario.model)) {}
 
 UnseenClearances::UnseenClearances(const Listed& listed)
-    : guards_(listed.guards), monitor_(listed.pairs, listed.shapes, listed.ground) {}
+    : guards_(listed.guards), monitor_(listed.pairs, listed.shapes, listed.ground) {
+  for (std::size_t i = 0; i < guards_.size(); ++i) dips_.emplace_back(monitor_, i, guards_[i].a, guards_[i].b);
+}
 
 std::span<const UnseenClearance> UnseenClearances::find(const MotionWindow& window) {
   found_.clear();
   const MotionPiece& piece = window.get_present();
   for (std::size_t i = 0; i < guards_.size(); ++i) {
     const Guard& guard = guards_[i];
+    if (dips_[i].stays_above(monitor_, piece, guard.threshold)) continue;
     const auto get = [&](const auto& bodies, const auto& accelerations, std::size_t body) {
       return get_moving_body(bodies[body], accelerations[body]);
     };
@@ -65,13 +67,8 @@ std::span<const UnseenClearance> UnseenClearances::find(const MotionWindow& wind
     const auto is_below = [&](const MovingBody& a, const MovingBody& b) {
       return monitor_.calc(i, a.at, b.at).least.distance <= guard.threshold;
     };
-    const std::optional<Dip> dip = find_dip(monitor_, piece,
-                                            {.pair = i,
-                                             .a = guard.a,
-                                             .b = guard.b,
-                                             .length = length,
-                                             .limit = guard.threshold,
-                                             .resolution = monitor_.get_resolution(i)});
+    const std::optional<Dip> dip = dips_[i].find(
+        monitor_, piece, {.length = length, .limit = guard.threshold, .resolution = monitor_.get_resolution(i)});
     // Below it at one end, the condition was seen.
     if (dip && !is_below(from_a, from_b) && !is_below(to_a, to_b))
       found_.push_back({guard.event, dip->time, dip->value});

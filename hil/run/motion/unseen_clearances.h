@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/run/motion/motion_window.h"
+#include "hil/run/motion/shape_dips.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/shapes/clearance.h"
 
@@ -36,6 +37,7 @@ class UnseenClearances {
 
   std::vector<Guard> guards_;  // each has the pair of its number in the monitor
   ClearanceMonitor monitor_;
+  std::vector<ShapeDips> dips_;  // of each guard
   std::vector<UnseenClearance> found_;
 };
 

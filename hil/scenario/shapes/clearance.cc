@@ -146,22 +146,14 @@ NearPlaces bring_near(const geometry::Placement& a, const geometry::Placement& b
 
 }  // namespace
 
-double ClearanceMonitor::calc_distance(const ShapePair& shapes, const geometry::Placement& a,
-                                       const geometry::Placement& b) const {
+geometry::Distance ClearanceMonitor::calc_pair(const ShapePair& shapes, const geometry::Placement& a,
+                                               const geometry::Placement& b) const {
   const NearPlaces near = bring_near(a, b);
   if (shapes.mesh != kNone)
     return calc_mesh(mesh_parts_[shapes.pair][static_cast<std::size_t>(shapes.mesh)], near.a, near.b,
-                     std::numeric_limits<double>::infinity())
-        .distance;
+                     std::numeric_limits<double>::infinity());
   const Sides& sides = sides_[shapes.pair];
-  return geometry::calc_distance(sides.a[shapes.a], near.a, sides.b[shapes.b], near.b).least.distance;
-}
-
-double ClearanceMonitor::calc_lower_bound(const ShapePair& shapes, const geometry::Placement& a,
-                                          const geometry::Placement& b) const {
-  const NearPlaces near = bring_near(a, b);
-  const Sides& sides = sides_[shapes.pair];
-  return geometry::calc_lower_bound(sides.a[shapes.a], near.a, sides.b[shapes.b], near.b);
+  return geometry::calc_distance(sides.a[shapes.a], near.a, sides.b[shapes.b], near.b).least;
 }
 
 geometry::Distance ClearanceMonitor::calc_mesh(const MeshPart& part, const geometry::Placement& a,

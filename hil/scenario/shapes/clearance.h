@@ -93,11 +93,9 @@ class ClearanceMonitor {
   // Its shapes one by one, of either side, to which ShapePair refers; a mesh as its bounding sphere.
   [[nodiscard]] const std::vector<geometry::ShapeGroup>& get_shapes_a(std::size_t pair) const { return sides_[pair].a; }
   [[nodiscard]] const std::vector<geometry::ShapeGroup>& get_shapes_b(std::size_t pair) const { return sides_[pair].b; }
-  // m, with the bodies at these placements; and a bound below it by bounding spheres, at most the distance.
-  [[nodiscard]] double calc_distance(const ShapePair& shapes, const geometry::Placement& a,
-                                     const geometry::Placement& b) const;
-  [[nodiscard]] double calc_lower_bound(const ShapePair& shapes, const geometry::Placement& a,
-                                        const geometry::Placement& b) const;
+  // Its distance with the bodies at these placements; the normal is in W, the witnesses as seen from the origin of `a`.
+  [[nodiscard]] geometry::Distance calc_pair(const ShapePair& shapes, const geometry::Placement& a,
+                                             const geometry::Placement& b) const;
 
  private:
   // All shapes of one group against all shapes of the other; shapes of the kernel.

@@ -10,6 +10,7 @@
 #include "tests/kernel/geometry/solids.h"
 #include "tests/support/malloc_guard.h"
 #include "unlatch/geometry/group_pair.h"
+#include "unlatch/geometry/reach.h"
 
 namespace unlatch::test {
 namespace {
@@ -254,6 +255,26 @@ TEST(GeometryMotion, TheExtentOfAGroupHoldsAllOfIt) {
   EXPECT_EQ(calc_extent(build_group("", strip), {}).least.z, -0.2);
   const std::vector<Shape> space{{.kind = ShapeKind::kHalfSpace, .normal = {0, 0, 1}}};
   EXPECT_TRUE(std::isinf(calc_extent(build_group("", space), {}).most.x));
+}
+
+TEST(GeometryMotion, TheSlabAcrossAnyDirectionIsBelowTheDistanceAndAcrossTheNormalEqualsIt) {
+  constexpr std::uint64_t kSeed = 13;
+  constexpr double kCertified = 1e-9;  // m, at sizes of some metres
+  Random random(kSeed);
+  for (int i = 0; i < 5000; ++i) {
+    const int kind_a = random.below(7), kind_b = random.below(7);
+    const geometry::ShapeGroup a = build_group("", std::vector<Shape>{draw_any(random, kind_a)}),
+                               b = build_group("", std::vector<Shape>{draw_any(random, kind_b)});
+    const Placement at_a = draw_placement(random, 1), at_b = draw_placement(random, 1);
+    const Distance d = calc_distance(a, at_a, b, at_b).least;
+    const auto calc_slab = [&](const Vec3& n) { return -calc_reach(b, at_b, -n) - calc_reach(a, at_a, n); };
+    // Of overlaps the depth is a search, but where it is no deeper than the radius of something round.
+    const bool exact = d.distance > -std::min(get_exact_depth(a), get_exact_depth(b));
+    if (exact) {
+      ASSERT_LE(calc_slab(draw_direction(random)), d.distance + kCertified) << i << ": " << kind_a << " " << kind_b;
+    }
+    ASSERT_NEAR(calc_slab(d.normal), d.distance, kCertified) << i << ": " << kind_a << " " << kind_b;
+  }
 }
 
 TEST(GeometryMotion, SlabsBetweenBoxesAreBelowTheDistanceOverlapsIncluded) {
