@@ -69,10 +69,10 @@ struct QuantityTraits {
       nullptr;                    // of rotation rows, of elements that turn, of the size of an attitude, if it differs
   const char* frame = "";         // axes of the values: "W", "body", "joint"; empty for none
   unsigned reads = kReadsMotion;  // QuantityReads
-  QuantityMotion motion = QuantityMotion::kOfAll;
-  bool holds = false;                        // it is 1 or 0, and changes at events alone
-  bool has_point = false, has_axes = false;  // `point` is read; `direction` and `other_direction` are
-  bool of_planet = false, of_air = false;    // it needs a planet; it needs an atmosphere
+  QuantityMotion motion = QuantityMotion::kOfAll;  // whose motion it reads
+  bool holds = false;                              // it is 1 or 0, and changes at events alone
+  bool has_point = false, has_axes = false;        // `point` is read; `direction` and `other_direction` are
+  bool of_planet = false, of_air = false;          // it needs a planet; it needs an atmosphere
 };
 
 // Traits of a kind.
