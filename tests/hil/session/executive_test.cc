@@ -138,7 +138,9 @@ TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
   EXPECT_EQ(result.end.timing.rejected[static_cast<std::size_t>(Reject::kExpired)], 1);
   EXPECT_TRUE(replay_log(log).result.agrees());
   const std::vector<std::string> events = read_recording(log).events;
-  EXPECT_EQ(std::ranges::count(events, "command.late fsw throttle"), result.end.timing.late_commands);
+  // On a machine that is busy commands of the participant's own are late too, of both channels.
+  const auto is_late = [](const std::string& event) { return event.starts_with("command.late fsw "); };
+  EXPECT_EQ(std::ranges::count_if(events, is_late), result.end.timing.late_commands);
   EXPECT_EQ(std::ranges::count(events, "refused.expired fsw throttle"), 1);
 }
 
