@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import urllib.parse
+from pathlib import Path
 
 from processes import BIN, SOURCE, ProcessTest, main
 
@@ -18,10 +19,15 @@ BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SLOWEST = 240  # s for all commands of a page; a limit for hangs, not a measurement
 
 
-def list_pages():
-    listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z", "--cached", "--others", "--exclude-standard", "*.md"],
+def list_files(*patterns):
+    """Files of the project; not those of a build folder, where other tests make and remove some at the same time."""
+    listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z", "--cached", "--others", "--exclude-standard", *patterns],
                             capture_output=True, check=True).stdout.decode()
     return [SOURCE / name for name in listed.split("\0") if name and (SOURCE / name).exists()]
+
+
+def list_pages():
+    return list_files("*.md")
 
 
 class DocsTest(ProcessTest):
@@ -103,6 +109,7 @@ class DocsTest(ProcessTest):
 
     def test_files_named_in_pages_exist(self):
         names = 0
+        files = list_files()
         for page in list_pages():
             if page.name == "CHANGELOG.md":  # history: names of former files
                 continue
@@ -111,8 +118,11 @@ class DocsTest(ProcessTest):
                 if not name.endswith(SOURCES) or name.startswith((".", "/")) or "/build/" in f"/{name}":
                     continue
                 names += 1
-                beside = [page.parent / name, SOURCE / name, *page.parent.glob(f"**/{name}"), *page.parent.parent.glob(f"*/{name}")]
-                self.assertTrue(any(path.exists() for path in beside) or self.is_made(name), f"{page.relative_to(SOURCE)} names {name}")
+                parts = Path(name).parts
+                ends_so = [path for path in files if path.parts[-len(parts):] == parts]
+                near = any(page.parent in path.parents or path.parents[len(parts)] == page.parent.parent for path in ends_so)
+                there = near or (page.parent / name).exists() or (SOURCE / name).exists()
+                self.assertTrue(there or self.is_made(name), f"{page.relative_to(SOURCE)} names {name}")
         self.assertGreater(names, 100)
 
     @staticmethod
