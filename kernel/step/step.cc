@@ -108,7 +108,9 @@ bool act_at(Run& run, double now, std::span<const double> tolerances, Latest lat
 }
 
 // The end of the step; while a contact is closed, the end of the part of the step that begins at `now`.
-double calc_next_stop(const Run& run, int parts, double now, double end) {
+double calc_next_stop(const Run& run, const ContactParts& cut, double now, double end) {
+  const int parts = cut.count;
+  if (cut.of_rest) return parts > 1 ? now + (end - now) / parts : end;
   const double slack = run.plan.get_slack(), begin = run.plan.get_time(run.state().header->tick);
   for (int i = 1; i < parts; ++i) {
     const double stop = begin + (end - begin) * (static_cast<double>(i) / parts);
@@ -117,8 +119,9 @@ double calc_next_stop(const Run& run, int parts, double now, double end) {
   return end;
 }
 
-ContactParts choose_parts(const Run& run, double now) {
-  return run.plan.contacts.empty() ? ContactParts{} : choose_contact_parts(run.plan, run.state(), now, run.ev());
+ContactParts choose_parts(const Run& run, double now, double end) {
+  return run.plan.contacts.empty() ? ContactParts{}
+                                   : choose_contact_parts(run.plan, run.state(), now, end - now, run.ev());
 }
 
 // The end of the sub-step from `now`: the first corner whose time is known, unless the step has been split at as many
@@ -137,8 +140,8 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = run.plan.get_slack();
   if (!run.state().rigid_slips.empty() && !begin_slips(run, now)) return step_end;
-  const ContactParts parts = choose_parts(run, now);
-  const double end = calc_next_stop(run, parts.count, now, step_end);
+  const ContactParts parts = choose_parts(run, now, step_end);
+  const double end = calc_next_stop(run, parts, now, step_end);
   const double due = calc_next_due(run.plan, run.state(), now);
   const bool reaches_due = may_split && due <= end + slack;
   const double planned = reaches_due && due < end - slack ? due : end;

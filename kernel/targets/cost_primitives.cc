@@ -146,8 +146,9 @@ UNLATCH_WRAP(P::kImpulse, int, apply_impulse,
 UNLATCH_WRAP(P::kReadings, void, update_readings, "_ZN7unlatch15update_readingsERKNS_7InstantERNS_10EvaluationE",
              (const Instant& now, Evaluation& ev), (now, ev))
 UNLATCH_WRAP(P::kParts, ContactParts, choose_contact_parts,
-             "_ZN7unlatch20choose_contact_partsERKNS_8PlanDataERKNS_5StateEdRKNS_10EvaluationE",
-             (const PlanData& plan, const State& state, double t, const Evaluation& ev), (plan, state, t, ev))
+             "_ZN7unlatch20choose_contact_partsERKNS_8PlanDataERKNS_5StateEddRKNS_10EvaluationE",
+             (const PlanData& plan, const State& state, double t, double rest, const Evaluation& ev),
+             (plan, state, t, rest, ev))
 UNLATCH_WRAP(P::kStore, void, store_substep, "_ZN7unlatch13store_substepERKNS_8PlanDataERKNS_10EvaluationERNS_5StateE",
              (const PlanData& plan, const Evaluation& ev, State& state), (plan, ev, state))
 UNLATCH_WRAP(P::kRearm, void, rearm, "_ZN7unlatch5rearmERKNS_8PlanDataERNS_5StateERNS_10EvaluationE",

@@ -107,7 +107,7 @@ struct ModelError {
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
-// Value of Model::contact_substeps that leaves the number of parts to the step: a power of two up to
+// Value of Model::contact_substeps that leaves the number of parts to the step: as many as needed, up to
 // kMaxAutomaticSubsteps, by the present depths, speeds and masses (kernel/elements/kinds/contact/contact_parts.h).
 inline constexpr int kAutomaticSubsteps = 0;
 // Largest number of parts that the step chooses.

@@ -1,6 +1,7 @@
 #include "kernel/elements/kinds/contact/contact_parts.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "kernel/elements/kinds/contact/contact.h"
@@ -14,7 +15,9 @@ namespace {
 
 // Largest parts, in 1 / rate: of a blow, of a vibration that is small beside the depth, and of all closed pairs
 // together, whose rates add up where they hold one body (RK4 is stable to 2.8).
-constexpr double kBlow = 0.2, kSettled = 1.0, kStable = 2.0;
+constexpr double kBlow = 0.12, kSettled = 1.0, kStable = 2.0;
+// Largest part in which a slip may change, of the time in which it changes by as much as may be left of it.
+constexpr double kSlip = 0.75;
 
 // An implicit part errs by a part of (ω h)³ of the vibration, of which so much of the depth is allowed, and by the
 // third power of the change of its slip, which may be so much of what an explicit part's may.
@@ -131,7 +134,7 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
     const double braking = contact.friction * blow.force * along;  // m/s²
     const double gaining = norm(relative + gained * pair.normal);
     out.slip = braking / change;
-    out.parts = std::max(braking, gaining) / change;
+    out.parts = std::max(braking, gaining) / (kSlip * change);
     out.implicit_parts = gaining / (kImplicitChange * change);
   }
   const double fast = std::max(out.omega, out.damping);
@@ -142,11 +145,22 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
   return out;
 }
 
-// The least power of two that is as many as needed.
-std::int32_t count_parts(double needed) {
-  std::int32_t parts = 1;
-  while (parts < kMaxAutomaticSubsteps && needed > parts) parts *= 2;
-  return parts;
+// The least number of parts of `rest` seconds that are not longer than 1 / needed, of which a step holds at most so
+// many as it may have.
+std::int32_t count_parts(double needed, double rest, double dt) {
+  const double parts = needed * rest, most = rest / dt * kMaxAutomaticSubsteps;
+  if (!(parts > 1) || !(most > 2)) return 1;
+  if (!(parts < most)) return static_cast<std::int32_t>(std::min<double>(most, kMaxAutomaticSubsteps));
+  const auto whole = static_cast<std::int32_t>(parts);
+  return whole < parts && whole + 1 <= most ? whole + 1 : whole;
+}
+
+// Parts of the step itself, if the friction of rigid contacts alone asks for them: the least power of two that is as
+// many as needed.
+ContactParts cut_for_slips(double needed) {
+  constexpr std::uint32_t kMost = kMaxAutomaticSubsteps;
+  const std::uint32_t parts = needed < kMost ? std::bit_ceil(static_cast<std::uint32_t>(std::ceil(needed))) : kMost;
+  return {static_cast<std::int32_t>(parts), false, false};
 }
 
 // Parts per second that the friction of rigid contacts needs: of a slip that may turn, so many that it keeps half of
@@ -172,16 +186,17 @@ bool may_be_implicit(const PlanData& plan) noexcept {
          plan.initial_auxiliary.size() <= kMostImplicitAuxiliary;
 }
 
-ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept {
+ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, double rest,
+                                  const Evaluation& ev) noexcept {
   const double slips = plan.rigid_pairs > 0 ? calc_slip_parts(plan, ev) : 0;
-  if (slips > 0 && !has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false};
+  if (slips > 0 && !has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false, false};
   double most = slips, implicit_most = 0, square = 0, damping = 0, slip = 0;
   std::size_t closed = 0;
   for (const PlanContact& contact : plan.contacts) {
     if (contact.rigid) continue;  // smooth while it is closed, but for its friction
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
-      if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false};
+      if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false, false};
       const double scale = calc_scale(state.elements[at(contact.element)], t);
       if (!(scale > 0)) continue;
       const PairRates own = calc_rates(plan, i, contact, scale, ev);
@@ -194,13 +209,14 @@ ContactParts choose_contact_parts(const PlanData& plan, const State& state, doub
     }
   }
   const double stable = std::max(std::sqrt(square), std::max(damping, slip)) / kStable;
-  const double refined = get_contact_refinement(plan.contact_substeps) * plan.options.dt;
-  const std::int32_t parts = count_parts(refined * std::max(most, stable)),
-                     implicit_parts = count_parts(refined * implicit_most);
-  const bool implicit = closed > 0 && closed <= kMostImplicitPairs && may_be_implicit(plan);
-  const bool is_unstable = plan.options.dt * stable > kMaxAutomaticSubsteps;  // with explicit parts
-  if (implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true};
-  return {parts, false};
+  const double refined = get_contact_refinement(plan.contact_substeps), dt = plan.options.dt;
+  if (closed == 0) return cut_for_slips(refined * dt * slips);
+  const std::int32_t parts = count_parts(refined * std::max(most, stable), rest, dt),
+                     implicit_parts = count_parts(refined * implicit_most, rest, dt);
+  const bool implicit = closed <= kMostImplicitPairs && may_be_implicit(plan);
+  const bool is_unstable = dt * stable > kMaxAutomaticSubsteps;  // with explicit parts
+  if (implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true, true};
+  return {parts, false, true};
 }
 
 }  // namespace unlatch

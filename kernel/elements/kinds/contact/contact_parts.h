@@ -1,20 +1,19 @@
 // Parts into which closed contacts cut a step: a given number, or as many as they need.
 //
-// The automatic number is a power of two, chosen anew at the beginning of each part from the state alone, so that the
-// longest step is taken that resolves the stiffest closed pair. Rates of a pair, as if no joint held its two bodies,
-// which gives their greatest mobility m⁻¹ (constraints only lessen it):
+// The automatic number is chosen anew at the beginning of each part, for the rest of the step, from the state alone, so
+// that the longest part is taken that resolves the stiffest closed pair. Rates of a pair, as if no joint held its two
+// bodies, which gives their greatest mobility m⁻¹ (constraints only lessen it):
 //
 //   blow      √(dF/dδ · m⁻¹) at the depth that the present depth and approach speed lead to: k δⁿ⁺¹/(n + 1) = elastic
 //             energy now + ½ m v²; and the damping there, k δⁿ d m⁻¹
 //   friction  μ F m⁻¹, F the force at that depth, or the present acceleration of the slip, over the slip that may be
-//   left
-//             at the part's end
+//             left at the part's end
 //
 //   rigid     of a rigid contact whose friction slips: what that may change the slip by, over half of the slip; where
 //             the slip begins or ends, its acceleration over the least slip that has a direction of its own
 //
-// A blow is resolved within 0.2 of its rate; a vibration that is a small part of the depth, less finely: what the
-// method errs by is a part of the vibration (THEORY.md).
+// A blow is resolved within 0.12 of its rate; a vibration that is a small part of the depth, less finely: what the
+// method errs by is a part of the vibration (THEORY.md). Rigid contacts alone cut the step itself, into a power of two.
 //
 // A model may ask for automatic parts that are so many times as fine (unlatch/model/contact_substeps.h).
 //
@@ -28,8 +27,9 @@ namespace unlatch {
 
 // How a step goes on while contacts are closed.
 struct ContactParts {
-  std::int32_t count = 1;  // parts into which the step is cut
+  std::int32_t count = 1;  // parts into which the step is cut, or its rest
   bool implicit = false;   // the next one is implicit in the forces of contacts (kernel/integration/contact_stages.h)
+  bool of_rest = false;    // the parts are those of the rest of the step
 };
 
 // The most closed pairs, bodies and auxiliary states of systems with implicit parts: for so many there is room.
@@ -39,8 +39,10 @@ inline constexpr std::size_t kMostImplicitPairs = 8, kMostImplicitBodies = 16, k
 // that burn or rigid contacts have a method of their own.
 bool may_be_implicit(const PlanData& plan) noexcept;
 
-// Parts of the step that begins at the present state, `ev` being its evaluation: 1 if no contact is closed.
-ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept;
+// Parts of the step from the present state on, at `t`, s; `ev` is its evaluation: 1 if no contact is closed. `rest`: to
+// the end of the step, s.
+ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, double rest,
+                                  const Evaluation& ev) noexcept;
 
 // The smallest number of parts into which a closed contact can cut a step.
 inline int get_fewest_parts(const PlanData& plan) {
