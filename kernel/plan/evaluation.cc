@@ -129,6 +129,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
   const std::size_t instants = static_cast<std::size_t>(plan.options.max_splits) + 2;
   arena.take(data.events.fired, events * instants);
   arena.take(data.events.audits, (events + plan.contact_pairs.size()) * instants);
+  arena.take(data.unread, plan.sensors.size());
 }
 
 }  // namespace
@@ -153,6 +154,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (const std::span<double> places : {ev.law_places, ev.middle_places, ev.altitudes, ev.middle_altitudes})
     for (double& place : places) place = 0;
   for (double& tolerance : data_->exact) tolerance = 0;
+  for (std::uint8_t& unread : data_->unread) unread = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
   for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // no solve writes those of a joint that never holds
@@ -162,6 +164,17 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   quantities = ev.quantities;
   laws = ev.laws;
   table_exits = ev.table_exits;
+}
+
+void Workspace::leave_unread(const Plan& owner, std::span<const int> unread) noexcept {
+  const std::span<const PlanSensor> all = get_data(owner).sensors;
+  Evaluation& ev = data_->kept.evaluation;
+  for (const int sensor : unread) {
+    const std::size_t i = at(sensor);
+    data_->unread[i] = 1;
+    const std::size_t end = i + 1 < all.size() ? at(all[i + 1].first) : ev.sensors.size();
+    for (std::size_t k = at(all[i].first); k < end; ++k) ev.sensors[k] = 0;
+  }
 }
 
 std::size_t Plan::get_workspace_bytes() const noexcept {

@@ -336,7 +336,8 @@ struct WorkspaceData {
   FinalEvaluation kept;
   EventSearch search;
   EventRecord events;
-  std::span<double> exact;  // per guard, a tolerance of zero; written by the constructor alone
+  std::span<double> exact;         // per guard, a tolerance of zero; written by the constructor alone
+  std::span<std::uint8_t> unread;  // per sensor, not 0: nobody reads it
 };
 
 inline WorkspaceData& get_data(const Workspace& workspace) noexcept { return *workspace.data_; }

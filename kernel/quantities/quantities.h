@@ -10,8 +10,9 @@ int calc_values(const Instant& now, const Evaluation& ev, const PlanQuantity& ow
 // The one number that `part` or the direction chooses.
 double calc_scalar(const Instant& now, const Evaluation& ev, const PlanQuantity& own) noexcept;
 
-// ev.quantities and ev.sensors, from all the rest of the evaluation of this instant.
-void update_readings(const Instant& now, Evaluation& ev) noexcept;
+// ev.quantities and ev.sensors, from all the rest of the evaluation of this instant. `unread`: null, or per sensor, not
+// 0: it stays as it is.
+void update_readings(const Instant& now, Evaluation& ev, const std::uint8_t* unread = nullptr) noexcept;
 // A command changes one of them by itself, without a change of the evaluation.
 bool is_any_reading_commanded(const PlanData& plan) noexcept;
 

@@ -505,10 +505,12 @@ double calc_scalar(const Instant& now, const Evaluation& ev, const PlanQuantity&
   return own.along ? dot(v, own.direction) : norm(v);
 }
 
-void update_readings(const Instant& now, Evaluation& ev) noexcept {
+void update_readings(const Instant& now, Evaluation& ev, const std::uint8_t* unread) noexcept {
   for (std::size_t i = 0; i < ev.quantities.size(); ++i)
     ev.quantities[i] = calc_scalar(now, ev, now.plan.quantities[i]);
-  for (const PlanSensor& sensor : now.plan.sensors) {
+  for (std::size_t i = 0; i < now.plan.sensors.size(); ++i) {
+    if (unread != nullptr && unread[i] != 0) continue;
+    const PlanSensor& sensor = now.plan.sensors[i];
     const PlanQuantity& own = now.plan.quantities[at(sensor.quantity)];
     double* const out = &ev.sensors[at(sensor.first)];
     if (sensor.whole)

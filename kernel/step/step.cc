@@ -47,7 +47,7 @@ enum class Readings { kStale, kPresent };
 // Logs the state and the evaluation of this instant, with sensors and quantities, which only the log reads.
 void log_motion(Run& run, double now, bool begins, Readings readings) {
   if (run.log == nullptr) return;
-  if (readings == Readings::kStale) update_readings(run.get_instant(now), run.ev());
+  if (readings == Readings::kStale) update_readings(run.get_instant(now), run.ev(), run.data.unread.data());
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
@@ -83,7 +83,7 @@ bool log_end(Run& run, double begin, double now, Readings readings) {
   if (ends_piece) run.log->mark_corner();
   if (!marks.jumps) return ends_piece;
   (void)evaluate(run.get_instant(now), Changed::kCommands, run.ev());
-  update_readings(run.get_instant(now), run.ev());
+  update_readings(run.get_instant(now), run.ev(), run.data.unread.data());
   return true;
 }
 
@@ -253,7 +253,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
     now = advance(run, now, end, splits);
   }
   if (run.report.status != StepStatus::kOk) return finish(run);
-  update_readings(run.get_instant(end), run.ev());
+  update_readings(run.get_instant(end), run.ev(), run.data.unread.data());
   if (!is_finite(run.state(), run.ev().sensors)) run.fail(StepStatus::kNotFinite);
   if (run.plan.law_numbers.strict && run.report.status == StepStatus::kOk) check_tables(run);
   if (run.report.status != StepStatus::kOk) return finish(run);

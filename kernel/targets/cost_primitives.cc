@@ -143,8 +143,8 @@ UNLATCH_WRAP(P::kSplit, void, split_dense_rows,
 UNLATCH_WRAP(P::kImpulse, int, apply_impulse,
              "_ZN7unlatch13apply_impulseERKNS_8PlanDataENS_6SourceERNS_5StateERNS_10EvaluationE",
              (const PlanData& plan, Source source, State& state, Evaluation& ev), (plan, source, state, ev))
-UNLATCH_WRAP(P::kReadings, void, update_readings, "_ZN7unlatch15update_readingsERKNS_7InstantERNS_10EvaluationE",
-             (const Instant& now, Evaluation& ev), (now, ev))
+UNLATCH_WRAP(P::kReadings, void, update_readings, "_ZN7unlatch15update_readingsERKNS_7InstantERNS_10EvaluationEPKh",
+             (const Instant& now, Evaluation& ev, const std::uint8_t* unread), (now, ev, unread))
 UNLATCH_WRAP(P::kParts, ContactParts, choose_contact_parts,
              "_ZN7unlatch20choose_contact_partsERKNS_8PlanDataERKNS_5StateEddRKNS_10EvaluationE",
              (const PlanData& plan, const State& state, double t, double rest, const Evaluation& ev),

@@ -577,6 +577,59 @@ TEST(Contact, AConditionOnADistanceIsLocatedAndASensorReadsIt) {
   EXPECT_NEAR(s.workspace.sensors[0], 0.1 - 0.5 * kGravity * 0.11 * 0.11, 1e-12);
 }
 
+TEST(Contact, ASensorThatIsLeftUnreadChangesNoStateAndNoOtherSensor) {
+  Model model = build_dropped_ball(0.1);
+  for (const auto& [name, kind] : {std::pair{"unread", Sensor::Kind::kDistance},
+                                   {"read", Sensor::Kind::kDistance},
+                                   {"gyro", Sensor::Kind::kRate}}) {
+    Sensor sensor;
+    sensor.name = name;
+    sensor.kind = kind;
+    if (kind == Sensor::Kind::kDistance) sensor.subject = 1, sensor.other = 0;
+    model.sensors.push_back(sensor);
+  }
+  Simulation all(model), some(model);
+  const int unread[] = {0};
+  some.workspace.leave_unread(some.plan, unread);
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_EQ(all.advance().status, StepStatus::kOk);
+    ASSERT_EQ(some.advance().status, StepStatus::kOk);
+    ASSERT_EQ(calc_hash(some.state), calc_hash(all.state)) << i;
+    for (std::size_t k = 1; k < all.workspace.sensors.size(); ++k)
+      ASSERT_EQ(some.workspace.sensors[k], all.workspace.sensors[k]) << i;
+  }
+  EXPECT_EQ(some.workspace.sensors[0], 0);
+  EXPECT_NE(all.workspace.sensors[0], 0);
+  EXPECT_NE(some.workspace.sensors[1], 0);
+}
+
+// It slides 0.3 mm above a long bar, so fast that it goes ten times as far in a step; a bar with two feet, which turns.
+TEST(Contact, ABodyThatSlidesAlongABarTouchesItWhereItFallsOntoIt) {
+  constexpr double kPlay = 3e-4, kSpeed = 3, kTurn = 0.05;  // m, m/s, rad/s
+  for (const double turn : {0.0, kTurn}) {
+    Model model = build_dropped_ball(kPlay);
+    geometry::Shape bar;
+    bar.kind = geometry::ShapeKind::kBox;
+    bar.size = {4, 0.1, 0.1};
+    bar.from = {0, 0, -0.05};
+    model.surfaces[0].shapes = {bar};
+    constexpr double kHalf = 0.15;  // m, from its middle to each foot
+    model.surfaces[1].shapes = {build_sphere(kBallRadius, {-kHalf, 0, 0}), build_sphere(kBallRadius, {kHalf, 0, 0})};
+    model.bodies[0].v_WB = {kSpeed, 0, 0};
+    model.bodies[0].w_WB_B = {0, turn, 0};  // the fore foot goes down
+    Simulation s(model);
+    std::vector<Logged> events = run(s, model, 12);
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(events[0].name, "touch");
+    double t = 1e-3;  // s, by Newton's method: g t²/2 + h sin(ω t) = play
+    for (int i = 0; i < 50; ++i)
+      t -= (0.5 * kGravity * t * t + kHalf * std::sin(turn * t) - kPlay) /
+           (kGravity * t + kHalf * turn * std::cos(turn * t));
+    constexpr double kLocatedTouch = 1e-9;  // s
+    EXPECT_NEAR(events[0].time, t, kLocatedTouch) << turn;
+  }
+}
+
 TEST(Contact, MistakesSayWhereWhatAndHowToMendThem) {
   struct Bad {
     const char* name;

@@ -84,6 +84,16 @@ void Simulation::keep_motion() {
   log_ = MotionLog(plan_, {log_memory_.get(), MotionLog::get_bytes(plan_)});
 }
 
+void Simulation::leave_distances_unread(std::span<const int> read) {
+  std::vector<int> unread;
+  for (std::size_t i = 0; i < model_.sensors.size(); ++i) {
+    const int sensor = static_cast<int>(i);
+    const bool is_read = std::ranges::find(read, sensor) != read.end();
+    if (model_.sensors[i].kind == Sensor::Kind::kDistance && !is_read) unread.push_back(sensor);
+  }
+  workspace_.leave_unread(plan_, unread);
+}
+
 BundleRun Simulation::begin_step() noexcept {
   held_.latch(get_tick(), channels_);
   return {.plan = &plan_,

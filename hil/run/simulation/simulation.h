@@ -56,6 +56,10 @@ class Simulation {
   // Restores the result of save(). False, and nothing changed, if it is not of this plan. Allocates.
   [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
 
+  // Leaves out the sensors of distances but those of `read`, numbers of the model's sensors, from now on: nobody reads
+  // them, so that their values are any. Allocates.
+  void leave_distances_unread(std::span<const int> read);
+
   // Sets the commanded value of a channel, which must exist. True if it changes, to the bit.
   bool set_channel(std::size_t channel, double value) noexcept;
   // Commanded value of each channel: the next step reads it, unless the channel is in a group that is not latched then.

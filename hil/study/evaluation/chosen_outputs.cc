@@ -98,6 +98,21 @@ std::optional<std::size_t> OutputTracker::find(const std::string& name, std::vec
   return std::nullopt;
 }
 
+std::vector<int> OutputTracker::list_sensors() const {
+  std::vector<int> sensors;
+  const auto add = [&](const std::vector<std::size_t>& outputs) {
+    for (const std::size_t i : outputs) {
+      const Output& output = reader_.list()[i];
+      if (output.kind == Output::Kind::kSensor || output.kind == Output::Kind::kReceived)
+        sensors.push_back(output.subject);
+    }
+  };
+  add(at_every_tick_);
+  add(at_the_end_);
+  for (const Series& series : series_) add(series.outputs);
+  return sensors;
+}
+
 void OutputTracker::look() {
   const std::int64_t tick = simulation_.get_tick();
   if (!at_every_tick_.empty()) {

@@ -65,6 +65,8 @@ class OutputTracker {
   // Keeps references to all three.
   OutputTracker(const ChosenOutputs& chosen, const Scenario& scenario, const Simulation& simulation);
 
+  // Sensors that it reads, by their numbers in the model.
+  [[nodiscard]] std::vector<int> list_sensors() const;
   // Reads the present state; called at every state of the run, the first included.
   void look();
   // One number for each column of an output. `reached_end`: false for a run that faulted.

@@ -13,6 +13,14 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
+// Sensors whose values are results, by their numbers in the model: of requirements and of chosen outputs.
+std::vector<int> list_read_sensors(const Scenario& scenario, const std::optional<OutputTracker>& chosen) {
+  std::vector<int> sensors = chosen ? chosen->list_sensors() : std::vector<int>{};
+  for (const Requirement& requirement : scenario.requirements)
+    if (requirement.quantity == Requirement::Measure::kSensor) sensors.push_back(requirement.a);
+  return sensors;
+}
+
 }  // namespace
 
 const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "unresolved", "interrupted"};
@@ -52,6 +60,7 @@ class SampleEvaluator::Flight {
       simulation_ = build_simulation(*scenario_, run.instruction_set);
       if (run.judges) analysis_.emplace(*scenario_, *simulation_, evaluator.request_);
       if (run.judges && !evaluator.chosen_.is_empty()) chosen_.emplace(evaluator.chosen_, *scenario_, *simulation_);
+      if (!run.look && !run.end) simulation_->leave_distances_unread(list_read_sensors(*scenario_, chosen_));
       const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario_->until, scenario_->dt);
       flight_.emplace(*simulation_, analysis_ ? &*analysis_ : nullptr, nullptr, last, [this](const StepReport& report) {
         if (chosen_) chosen_->look();

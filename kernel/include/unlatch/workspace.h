@@ -69,6 +69,10 @@ class Workspace {
   // `memory`: at least plan.get_workspace_bytes(), aligned to 64; its content does not matter.
   Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
 
+  // Sensors that nobody reads, by their numbers in the model: the step need not compute them, so that they are any
+  // numbers from now on, in the motion that it logs too. Nothing else depends on it.
+  void leave_unread(const Plan& plan, std::span<const int> unread) noexcept;
+
   // Outputs of the state at the end of the latest step() or update_outputs().
   AccelerationView accelerations;
   MultiplierView multipliers;

@@ -181,6 +181,31 @@ TEST(SampleEvaluator, GivesChosenOutputsAsTheRunWritesThemDown) {
     }
 }
 
+// Two balls part with 2 m/s from 0.8 m on. Nobody reads the third sensor, which costs a distance at each tick
+// elsewhere.
+TEST(SampleEvaluator, ComputesTheSensorsOfDistancesThatRequirementsAndOutputsRead) {
+  const ScenarioTree tree = make_tree(R"(unlatch: 1
+name: balls
+step: {dt: 0.01, until: 0.5}
+bodies:
+  base: {mass: 1000, inertia: [9, 9, 9], shape: [{sphere: {radius: 100 mm}}]}
+  ball: {mass: 2, inertia: [1, 1, 1], position: [1, 0, 0], velocity: [2, 0, 0], shape: [{sphere: {radius: 100 mm}}]}
+sensors:
+  gap: {type: distance, between: [base, ball]}
+  other: {type: distance, between: [ball, base]}
+  third: {type: distance, between: [ball, base]}
+requirements:
+  - {id: near, text: They part, sensor: {name: gap}, take: final, at_least: 1 m}
+)");
+  hil::ChosenOutputs chosen;
+  chosen.values = {{"sensor.other", "m", hil::ChosenOutput::Take::kMax}};
+  const SampleEvaluator evaluator(tree, chosen);
+  const SampleResult result = evaluator.evaluate({});
+  ASSERT_EQ(result.status, SampleStatus::kDone) << result.message;
+  EXPECT_NEAR(result.values[*evaluator.find("near")], 1.8, 1e-12);
+  EXPECT_NEAR(result.values[*evaluator.find("output.sensor.other.max")], 1.8, 1e-12);
+}
+
 TEST(SampleEvaluator, HasNoPointsAfterAFaultAndNoFinalValues) {
   const ScenarioTree tree = make_tree();
   hil::ChosenOutputs chosen = choose_all(tree.get_nominal(), 100, 11);
