@@ -16,7 +16,8 @@ struct Placed {
 };
 
 Placed place(const ShapeNumbers& shape, const Placement& at, const Vec3& origin) {
-  return {(at.p_WB - origin) + at.R_WB * shape.p_BS, at.R_WB * shape.R_BS};
+  const Vec3 c = (at.p_WB - origin) + at.R_WB * shape.p_BS;
+  return {c, shape.kind == ShapeKind::kSphere ? at.R_WB : at.R_WB * shape.R_BS};  // the axes of a sphere do not matter
 }
 
 Rounded build_core(const ShapeView& view, const Placed& at) {

@@ -93,6 +93,20 @@ Nearest of_tetrahedron(const Vec3* w) {
   return out;
 }
 
+// Keeps the corners of the nearest simplex, in its order.
+void keep(const Nearest& nearest, Gjk& g) {
+  bool in_place = true;
+  for (int i = 0; i < nearest.count; ++i) in_place &= nearest.index[i] == i;
+  g.count = nearest.count;
+  if (in_place) return;
+  Vec3 w[3], wa[3], wb[3];
+  for (int i = 0; i < nearest.count; ++i) {
+    const int from = nearest.index[i];
+    w[i] = g.w[from], wa[i] = g.wa[from], wb[i] = g.wb[from];
+  }
+  for (int i = 0; i < nearest.count; ++i) g.w[i] = w[i], g.wa[i] = wa[i], g.wb[i] = wb[i];
+}
+
 }  // namespace
 
 Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
@@ -116,22 +130,18 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
     bool known = false;
     for (int i = 0; i < g.count; ++i) known |= g.w[i].x == s.x && g.w[i].y == s.y && g.w[i].z == s.z;
     if (known) break;
-    Vec3 w[4], wa[4], wb[4];
-    for (int i = 0; i < g.count; ++i) w[i] = g.w[i], wa[i] = g.wa[i], wb[i] = g.wb[i];
-    w[g.count] = s, wa[g.count] = sa, wb[g.count] = sb;
+    g.w[g.count] = s, g.wa[g.count] = sa, g.wb[g.count] = sb;
     const int count = g.count + 1;
-    Nearest next = count == 2 ? of_segment(w, 0, 1) : count == 3 ? of_triangle(w, 0, 1, 2) : of_tetrahedron(w);
+    const Nearest next = count == 2   ? of_segment(g.w, 0, 1)
+                         : count == 3 ? of_triangle(g.w, 0, 1, 2)
+                                      : of_tetrahedron(g.w);
     if (next.inside) {
-      for (int i = 0; i < 4; ++i) g.w[i] = w[i], g.wa[i] = wa[i], g.wb[i] = wb[i];
       g.count = 4;
       g.overlap = true;
       return g;
     }
     if (!(next.squared < nearest.squared)) break;  // rounding
-    for (int i = 0; i < next.count; ++i) {
-      g.w[i] = w[next.index[i]], g.wa[i] = wa[next.index[i]], g.wb[i] = wb[next.index[i]];
-    }
-    g.count = next.count;
+    keep(next, g);
     nearest = next;
   }
   g.a = g.b = {0, 0, 0};

@@ -77,6 +77,26 @@ double calc_slab_bound(const Box& a, const Box& b) noexcept {
   return bound - (bound < 0 && !(a.polytope && b.polytope) ? kCurved : kCertifiedGap) * size;
 }
 
+Slab calc_widest_slab(const Box& a, const Box& b) noexcept {
+  const Vec3 d = b.c - a.c;
+  Slab out{-HUGE_VAL, {0, 0, 0}};
+  const auto try_axes = [&](const Mat3& axes, const Vec3& half, const Box& other) {
+    const auto try_axis = [&](const Vec3& n, double own) {
+      const double along = dot(n, d);
+      const double reach = (std::fabs(dot(n, other.R.x)) * other.half.x + std::fabs(dot(n, other.R.y)) * other.half.y) +
+                           std::fabs(dot(n, other.R.z)) * other.half.z;
+      const double width = std::fabs(along) - (own + reach);
+      if (width > out.width) out = {width, along < 0 ? -n : n};
+    };
+    try_axis(axes.x, half.x);
+    try_axis(axes.y, half.y);
+    try_axis(axes.z, half.z);
+  };
+  try_axes(a.R, a.half, b);
+  try_axes(b.R, b.half, a);
+  return out;
+}
+
 GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,
                             const Placement& at_b) noexcept {
   const auto get_shape = [](std::span<const CompiledShape> parts) {

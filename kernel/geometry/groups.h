@@ -37,6 +37,14 @@ Box build_box(const ShapeNumbers& shape, const Placement& at, const Vec3& origin
 // six directions, or the way between their spheres. −infinity where a shape has no box.
 double calc_slab_bound(const Box& a, const Box& b) noexcept;
 
+// The widest slab between two boxes across one of their six directions.
+struct Slab {
+  double width = 0;      // m; negative where they overlap in all six
+  Vec3 normal{0, 0, 0};  // from A to B, W axes
+};
+// Of boxes that are finite.
+Slab calc_widest_slab(const Box& a, const Box& b) noexcept;
+
 // Takes the distance of a pair of shapes, numbered `pair`, into the least of several, whatever the order: of equals the
 // one with the least number.
 inline void take(const Distance& d, std::size_t pair, std::size_t count_b, GroupDistance& least, std::size_t& number) {

@@ -193,19 +193,23 @@ void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, con
     const int contact = static_cast<int>(i);
     const bool begins = track.fresh || !window.is_smooth();
     if (begins && !track.fresh) finish(track, contact);
-    const ContactReading at_from = calc(from.state, contact), at_to = calc(to.state, contact);
-    track.force.add(from.time, -at_from.normal, to.time, -at_to.normal, begins,
+    // Where the motion goes on smoothly, the piece begins with the force and the depth that the last one ended with.
+    const bool known = !begins && !scenario_.model.contacts[i].rigid;
+    const ContactReading at_to = calc(to.state, contact), at_from = known ? at_to : calc(from.state, contact);
+    const double force = known ? track.force.get_latest() : -at_from.normal,
+                 depth = known ? track.depth.get_latest() : -at_from.depth;
+    track.force.add(from.time, force, to.time, -at_to.normal, begins,
                     [&](double time) { return -calc(window, contact, time).normal; });
-    track.depth.add(from.time, -at_from.depth, to.time, -at_to.depth, begins,
+    track.depth.add(from.time, depth, to.time, -at_to.depth, begins,
                     [&](double time) { return -calc(window, contact, time).depth; });
     if (track.kept) {
       if (begins && !track.fresh) {
         track.own_force.finish([&](double time) { return -calc(*window_, contact, time).normal; });
         track.own_depth.finish([&](double time) { return -calc(*window_, contact, time).depth; });
       }
-      track.own_force.add(from.time, -at_from.normal, to.time, -at_to.normal, begins,
+      track.own_force.add(from.time, force, to.time, -at_to.normal, begins,
                           [&](double time) { return -calc(window, contact, time).normal; });
-      track.own_depth.add(from.time, -at_from.depth, to.time, -at_to.depth, begins,
+      track.own_depth.add(from.time, depth, to.time, -at_to.depth, begins,
                           [&](double time) { return -calc(window, contact, time).depth; });
       track.record.list.back().duration += to.time - from.time;
     }

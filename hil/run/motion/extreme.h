@@ -77,6 +77,8 @@ class Smallest {
   [[nodiscard]] bool has_value() const { return least_.has_value(); }
   [[nodiscard]] double get_value() const { return least_.get_value(); }
   [[nodiscard]] double get_time() const { return least_.get_time(); }
+  // Value at the end of the interval that was added last.
+  [[nodiscard]] double get_latest() const { return values_[count_ - 1]; }
 
  private:
   double resolution_;

@@ -25,7 +25,7 @@ struct RelativeMotion {
   Vec3 centre{0, 0, 0};  // m
   Mat3 R = kIdentity3;
   double speed = 0;     // m/s, bound on the speed of its points
-  double increase = 0;  // m/s², bound on its points' acceleration without the centripetal part
+  double increase = 0;  // m/s², bound on its points' acceleration, without what follows from rates of rotation
 };
 
 inline RelativeMotion calc_relative_motion(const ClearanceMonitor::Reach& reach, const MovingBody& a,
@@ -34,12 +34,13 @@ inline RelativeMotion calc_relative_motion(const ClearanceMonitor::Reach& reach,
   const Vec3 arm = seen.at.R_WB * reach.centre, between = (seen.at.p_WB + arm) - from.at.p_WB;
   const Vec3 turn = seen.w - from.w;
   const Vec3 v = ((seen.v + cross(seen.w, arm)) - from.v) - cross(from.w, between);
+  const Vec3 v_rate = ((seen.acceleration.lin + cross(seen.acceleration.ang, arm)) - from.acceleration.lin) -
+                      cross(from.acceleration.ang, between);
   const Mat3 &R = from.at.R_WB, &S = seen.at.R_WB;
   return {transpose_times(R, between),
           {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)},
           norm(v) + reach.bound * norm(turn),
-          norm(seen.acceleration.lin - from.acceleration.lin) +
-              reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
+          norm(v_rate) + reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
 }
 
 // m, how far the shapes move relative to one another within a piece of `h` seconds between the two: the distance at its

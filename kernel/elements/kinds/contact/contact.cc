@@ -109,6 +109,49 @@ double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyF
   return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
 }
 
+// How fast the slab between two shapes may narrow, or have narrowed before, m/s and m/s²: a slab that is fixed in one
+// of the bodies, across `n`, from A to B. `fixed`, `moving`: the two bodies; `centre`, `bound`: of the sphere about the
+// moving one's shape.
+struct Narrowing {
+  double speed, increase;
+};
+Narrowing calc_narrowing(const MovingFrame& fixed, const MovingFrame& moving, const Vec3& n, const Vec3& centre,
+                         double bound) {
+  const auto calc_motion = [&centre](const MovingFrame& body) {
+    const Vec3 arm = centre - body.frame.p, turning = cross(body.frame.w, arm);
+    return Spatial{(body.acceleration.lin + cross(body.acceleration.ang, arm)) + cross(body.frame.w, turning),
+                   body.frame.v + turning};  // acceleration, velocity
+  };
+  const Spatial of_fixed = calc_motion(fixed), of_moving = calc_motion(moving);
+  const Vec3 v = of_moving.ang - of_fixed.ang, a = of_moving.lin - of_fixed.lin;
+  const Vec3 turn = moving.frame.w - fixed.frame.w, turned = moving.acceleration.ang - fixed.acceleration.ang;
+  const double spin = norm(turn), carried = norm(fixed.frame.w);
+  return {std::abs(dot(n, v)) + bound * norm(cross(n, turn)),
+          std::abs(dot(n, a)) + bound * (norm(turned) + spin * (spin + 2 * carried)) + 2 * carried * norm(v)};
+}
+
+// Likewise by a plane between the shapes, which parts bodies that slide along each other: the widest slab between their
+// boxes; negative infinity if it may close within `interval`, or may have been closed so long ago: at the end of a
+// sub-step that tells whether the shapes touched and parted again within it.
+double calc_slab_bound(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
+                       const MovingFrame& follower, double interval) {
+  const PlanContact& contact = plan.contacts[at(pair.contact)];
+  const geometry::ShapeNumbers& a = get_numbers(plan, plan.shapes[at(contact.base)], pair.base_shape);
+  const geometry::ShapeNumbers& b = get_numbers(plan, plan.shapes[at(contact.follower)], pair.follower_shape);
+  const double near = kNear * (a.bound + b.bound);
+  if (!std::isfinite(near)) return -HUGE_VAL;
+  const Vec3 origin = base.frame.p;
+  const geometry::Box box_a = geometry::build_box(a, get_placement(base.frame), origin),
+                      box_b = geometry::build_box(b, get_placement(follower.frame), origin);
+  const geometry::Slab slab = geometry::calc_widest_slab(box_a, box_b);
+  if (!(slab.width > near)) return -HUGE_VAL;
+  const bool moves_b = b.bound <= a.bound;  // the smaller one turns less far
+  const Narrowing narrowing = moves_b ? calc_narrowing(base, follower, slab.normal, origin + box_b.c, b.bound)
+                                      : calc_narrowing(follower, base, -slab.normal, origin + box_a.c, a.bound);
+  const double way = kMargin * (narrowing.speed + 0.5 * narrowing.increase * interval) * interval;
+  return slab.width > near + way ? slab.width : -HUGE_VAL;
+}
+
 // Time until pairs are examined again: a part of the step if closed contacts cut it, else the step.
 double calc_interval(const PlanData& plan, const State& state) {
   for (const ContactState& pair : state.contacts)
@@ -236,17 +279,27 @@ double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, 
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
   const double interval = calc_interval(plan, now.state);
+  const auto get_moving = [&](std::int32_t body) {
+    const bool still = body == kGround || !plan.rigid;
+    return MovingFrame{get_body_frame(ev, body), still ? Spatial{} : ev.get_acceleration(body)};
+  };
+  MovingFrame moving_base{}, moving_follower{};
+  std::int32_t of_base = kNone - 1, of_follower = of_base;  // whose these are: mostly contacts in a row have the same
   for (const PlanContact& contact : plan.contacts) {
     if (calc_scale(now.state.elements[at(contact.element)], now.t) == 0) continue;
     const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
-    const BodyFrame base = get_body_frame(ev, a.body), follower = get_body_frame(ev, b.body);
+    if (a.body != of_base) moving_base = get_moving(of_base = a.body);
+    if (b.body != of_follower) moving_follower = get_moving(of_follower = b.body);
+    const BodyFrame &base = moving_base.frame, &follower = moving_follower.frame;
     const double all = calc_far_bound(a, base, b, follower, 0, plan.options.dt);
     const bool far = std::isfinite(all);
     const double way = far ? 0 : kMargin * calc_speed(a, base, b, follower) * interval;
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (now.state.contacts[i].closed != 0) continue;
       const ContactPair& pair = plan.contact_pairs[i];
-      const double bound = far ? all : calc_far_bound(plan, pair, base, follower, way);
+      double bound = far ? all : calc_far_bound(plan, pair, base, follower, way);
+      if (!std::isfinite(bound) && plan.rigid)  // accelerations of markers are not known yet
+        bound = calc_slab_bound(plan, pair, moving_base, moving_follower, interval);
       ev.pair_distances[i] = bound;
       ev.pair_rates[i] = 0;
       if (std::isfinite(bound)) continue;
