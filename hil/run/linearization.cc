@@ -156,19 +156,6 @@ void refuse_rigid_contacts(const Model& model, const Simulation& simulation) {
   }
 }
 
-SteadyGains calc_gains(const LinearModel& model) {
-  SteadyGains gains{model.D, model.D_error};
-  if (model.A.rows() == 0) return gains;
-  const MatrixXd transposed = model.A.transpose(), dual = model.C.transpose();
-  const MatrixXd states = model.A.partialPivLu().solve(model.B);               // A⁻¹ B
-  const MatrixXd outputs = transposed.partialPivLu().solve(dual).transpose();  // C A⁻¹
-  const MatrixXd changes = states.cwiseAbs();
-  gains.values -= model.C * states;
-  gains.errors = model.D_error.cwiseAbs() + model.C_error.cwiseAbs() * changes +
-                 outputs.cwiseAbs() * (model.A_error.cwiseAbs() * changes + model.B_error.cwiseAbs());
-  return gains;
-}
-
 }  // namespace
 
 LinearSystem linearize(const Scenario& scenario, const Simulation& simulation, const LinearRequest& request) {
@@ -220,7 +207,10 @@ LinearSystem linearize(const Scenario& scenario, const Simulation& simulation, c
       return std::pair(std::abs(a), a.imag()) < std::pair(std::abs(b), b.imag());
     });
   }
-  if (system.poles.empty() || std::abs(system.poles.front()) > system.pole_rounding) system.gains = calc_gains(*linear);
+  const auto moving =
+      std::ranges::find_if(system.poles, [&](const Complex& pole) { return std::abs(pole) > system.pole_rounding; });
+  system.gains =
+      calc_steady_gains(*linear, moving - system.poles.begin(), moving != system.poles.end() ? std::abs(*moving) : 0);
   system.model = std::move(*linear);
   return system;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
+#include "hil/run/steady_gains.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/linear_model.h"
 
@@ -34,18 +35,13 @@ struct LinearName {
   std::string unit;  // "1" for a plain number
 };
 
-// What a constant input changes the outputs by in the end, if the motions decay: D − C A⁻¹ B, outputs × inputs.
-struct SteadyGains {
-  Eigen::MatrixXd values, errors;  // errors: estimated, those of the matrices carried over to the first order
-};
-
 struct LinearSystem {
   double time = 0;  // s
   std::vector<LinearName> states, inputs, outputs;
   LinearModel model;                        // B and D have the columns of `inputs` alone
   std::vector<std::complex<double>> poles;  // of A, by their size, 1/s
   double pole_rounding = 0;                 // 1/s: poles smaller than this are not distinct from 0
-  std::optional<SteadyGains> gains;         // none where a pole is not distinct from 0
+  SteadyGains gains;                        // what a constant input changes the outputs by in the end
 };
 
 // Runs the scenario without flight software up to the state and linearises there. Throws LinearizationError,

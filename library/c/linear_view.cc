@@ -49,9 +49,8 @@ LinearView::LinearView(hil::LinearSystem system)
            .d_error = matrices_[7].data()};
   for (const std::complex<double>& pole : system_.poles) poles_.insert(poles_.end(), {pole.real(), pole.imag()});
   response_ = {.pole_count = system_.poles.size(), .poles = poles_.data(), .gains = nullptr, .gains_error = nullptr};
-  if (!system_.gains) return;
-  gains_[0] = write_rows(system_.gains->values);
-  gains_[1] = write_rows(system_.gains->errors);
+  gains_[0] = write_rows(system_.gains.values);
+  gains_[1] = write_rows(system_.gains.errors);
   response_.gains = gains_[0].data();
   response_.gains_error = gains_[1].data();
 }

@@ -285,7 +285,8 @@ typedef struct unlatch_linear_response {
   size_t pole_count;
   const double* poles; /* real and imaginary part of each, 1/s, by their size */
   /* D - C A^-1 B and its estimated errors, output_count by input_count, by rows: what an output changes by in the end, for
-   * each unit of a constant input, if the motions decay. Null where a pole is at 0. */
+   * each unit of a constant input, if the motions decay. INFINITY where the input moves the output without end, by a motion
+   * of a pole at 0. */
   const double *gains, *gains_error;
 } unlatch_linear_response;
 

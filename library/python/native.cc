@@ -221,10 +221,9 @@ class Simulation {
       poles.emplace_back(response->poles[2 * i], response->poles[2 * i + 1]);
     return poles;
   }
-  py::object copy_gains(std::size_t rows, std::size_t columns, bool errors) const {
+  py::array_t<double> copy_gains(std::size_t rows, std::size_t columns, bool errors) const {
     const unlatch_linear_response* response = nullptr;
     check(unlatch_get_linear_response(get(), &response));
-    if (response->gains == nullptr) return py::none();
     py::array_t<double> out({rows, columns});
     std::copy_n(errors ? response->gains_error : response->gains, rows * columns, out.mutable_data());
     return out;

@@ -31,7 +31,7 @@ inline std::string to_text(const std::uint8_t* data, std::size_t size) {
 }
 
 inline bool is_finite(const unlatch::State& state) {
-  for (const unlatch::BodyState& b : state.bodies) {
+  for (const BodyState& b : state.bodies) {
     for (const double number :
          {b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.v.x, b.v.y, b.v.z, b.w.x, b.w.y, b.w.z})
       if (!std::isfinite(number)) return false;

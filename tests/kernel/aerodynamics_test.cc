@@ -10,7 +10,7 @@
 #include "unlatch/energy.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::aerodynamics_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -200,4 +200,4 @@ TEST(Aerodynamics, MistakesNameTheirKeys) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::aerodynamics_test

@@ -19,7 +19,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::bundle_test {
 namespace {
 
 void delay(Condition& condition, double seconds) {
@@ -249,4 +249,4 @@ TEST(Bundle, IsMadeOfTwoToEightTreesOfRigidBodiesUnderOneGravity) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::bundle_test

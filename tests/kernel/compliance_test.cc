@@ -10,7 +10,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::compliance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -242,4 +242,4 @@ TEST(Compliance, ASpringThatIsOffLeavesTheStepAlone) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::compliance_test

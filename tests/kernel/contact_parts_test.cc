@@ -7,7 +7,7 @@
 #include "tests/support/contact_models.h"
 #include "tests/support/simulation.h"
 
-namespace unlatch::test {
+namespace unlatch::test::contact_parts_test {
 namespace {
 
 // Place and speed of a point that is thrown up an incline: x'' = g_x − μ g_z x'/√(x'² + v_s²), by steps of 1/50 of the
@@ -122,4 +122,4 @@ TEST(Contact, APointThatRunsFromASideOntoARoundedEndIsResolved) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::contact_parts_test

@@ -12,7 +12,7 @@
 #include "tests/support/simulation.h"
 #include "unlatch/contacts.h"
 
-namespace unlatch::test {
+namespace unlatch::test::contact_stages_test {
 namespace {
 
 // A block on feet that a pendulum hangs from, and with `loop` a second one and a bar between the two: its contacts
@@ -173,4 +173,4 @@ TEST(ContactStages, EveryInstructionSetHasTheSameBits) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::contact_stages_test

@@ -14,7 +14,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::contact_test {
 namespace {
 
 struct Logged {
@@ -664,4 +664,4 @@ TEST(Contact, MistakesSayWhereWhatAndHowToMendThem) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::contact_test

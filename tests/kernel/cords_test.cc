@@ -15,7 +15,7 @@
 #include "unlatch/energy.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::cords_test {
 namespace {
 
 Drum make_drum(double radius, bool left, std::optional<double> wound) {
@@ -440,4 +440,4 @@ TEST(Cords, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::cords_test

@@ -14,7 +14,7 @@
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::dense_kkt_test {
 namespace {
 
 using Vector3 = Eigen::Matrix<Real, 3, 1>;
@@ -47,7 +47,7 @@ struct Motion {
 
 Motion random_motion_of(const SystemState& state, int body, const RealVector& accelerations) {
   if (body == kGround) return {};
-  const BodyState& b = state.bodies[at(body)];
+  const DenseBodyState& b = state.bodies[at(body)];
   Motion m;
   m.p = b.p_WB.cast<Real>();
   m.v = b.v_WB.cast<Real>();
@@ -103,7 +103,7 @@ SystemState disturb(const Model& model, Random& random) {
     const double x = random.uniform(-size, size), y = random.uniform(-size, size), z = random.uniform(-size, size);
     return Eigen::Vector3d(x, y, z);
   };
-  for (BodyState& b : state.bodies) {
+  for (DenseBodyState& b : state.bodies) {
     b.p_WB += vector(0.1);
     b.v_WB += vector(1);
     b.w_WB_B += vector(1);
@@ -336,4 +336,4 @@ TEST(RandomModel, KeepsTheMassRatioAndTheSeed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::dense_kkt_test

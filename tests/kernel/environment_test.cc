@@ -15,7 +15,7 @@
 #include <GeographicLib/Geocentric.hpp>
 #endif
 
-namespace unlatch::test {
+namespace unlatch::test::environment_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -254,4 +254,4 @@ TEST(Environment, TheFieldBesideAFallingOriginLosesNoDigits) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::environment_test

@@ -8,7 +8,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::events_test {
 namespace {
 
 struct Fired {
@@ -194,4 +194,4 @@ TEST(Events, ALatchToTheGroundIsEntitledToItsImpulse) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::events_test

@@ -22,7 +22,7 @@
 #include "tests/support/random_model.h"
 #include "tests/support/simulation.h"
 
-namespace unlatch::test {
+namespace unlatch::test::everything_test {
 namespace {
 
 using Eigen::Index;
@@ -304,4 +304,4 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::everything_test

@@ -17,7 +17,7 @@
 #include "tests/support/small_models.h"
 #include "tests/support/survival.h"
 
-namespace unlatch::test {
+namespace unlatch::test::flexible_test {
 namespace {
 
 using Eigen::Index;
@@ -221,14 +221,14 @@ TEST(Flexible, AMarkersVelocityIsTheRateOfItsPose) {
   const PlanMarker& marker = s.data().markers[0];
   constexpr double h = 1e-5;  // of central differences: h² against rounding / h
   const auto at = [&](double t) {
-    unlatch::BodyState body = s.state.bodies[0];
+    BodyState body = s.state.bodies[0];
     body.p = body.p + t * body.v;
     const double angle = norm(body.w) * t, half = std::sin(0.5 * angle) / norm(body.w);
     body.q = body.q * Quat{std::cos(0.5 * angle), half * body.w.x, half * body.w.y, half * body.w.z};
     const VectorXd eta = mast.state.eta + t * mast.state.eta_rate;
     return calc_marker_state(s.data(), marker, body, eta.data(), mast.state.eta_rate.data());
   };
-  const unlatch::BodyState now = at(0), before = at(-h), after = at(h);
+  const BodyState now = at(0), before = at(-h), after = at(h);
   EXPECT_LT(norm((0.5 / h) * (after.p - before.p) - now.v), 1e-7 * norm(now.v));
   const Quat turn = conjugate(before.q) * after.q;
   EXPECT_LT(norm((1 / h) * Vec3{turn.x, turn.y, turn.z} - now.w), 1e-6 * norm(now.w));
@@ -397,4 +397,4 @@ TEST(Flexible, ModesOfAnyFrequencyStayFinite) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::flexible_test

@@ -13,7 +13,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/quantities.h"
 
-namespace unlatch::test {
+namespace unlatch::test::flight_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -306,4 +306,4 @@ TEST(Flight, MistakesNameTheirKeys) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::flight_test

@@ -13,7 +13,7 @@
 #include "unlatch/energy.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::forces_test {
 namespace {
 
 constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the seconds of these tests
@@ -428,4 +428,4 @@ TEST(Forces, ATorsionDriveSwingsItsHingeAtItsFrequency) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::forces_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/survival.h"
 
-namespace unlatch::test {
+namespace unlatch::test::hostile_events_test {
 namespace {
 
 TEST(Hostile, EventsOfEveryKindAtTheBeginningActThere) {
@@ -110,4 +110,4 @@ TEST(Hostile, ALatchHitAtZeroSpeedChangesNothing) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::hostile_events_test

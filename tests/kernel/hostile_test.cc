@@ -12,7 +12,7 @@
 #include "tests/support/reference_models.h"
 #include "tests/support/survival.h"
 
-namespace unlatch::test {
+namespace unlatch::test::hostile_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -378,4 +378,4 @@ TEST(Hostile, RandomModelsWithAbsurdNumbersEndInAStatus) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::hostile_test

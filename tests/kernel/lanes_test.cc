@@ -14,7 +14,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/step.h"
 
-namespace unlatch::test {
+namespace unlatch::test::lanes_test {
 namespace {
 
 std::vector<InstructionSet> find_widths() {
@@ -185,4 +185,4 @@ TEST(Lanes, AWidthThatTheProcessorLacksIsRefused) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::lanes_test

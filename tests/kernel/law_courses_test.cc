@@ -10,7 +10,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::law_courses_test {
 namespace {
 
 using Kind = LawStep::Kind;
@@ -104,4 +104,4 @@ TEST(LawCourses, HoldWhatTheLawIsInBetween) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::law_courses_test

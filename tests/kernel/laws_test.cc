@@ -15,7 +15,7 @@
 #include "unlatch/quantities.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::laws_test {
 namespace {
 
 constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the seconds of these tests
@@ -822,4 +822,4 @@ TEST(Laws, ChangeTheHashOfTheirModel) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::laws_test

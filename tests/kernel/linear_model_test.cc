@@ -13,7 +13,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::linear_model_test {
 namespace {
 
 using Kind = LinearCoordinate::Kind;
@@ -253,4 +253,4 @@ TEST(LinearModel, DeviationsOfRunsFollowIt) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::linear_model_test

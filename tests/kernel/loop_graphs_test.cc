@@ -19,7 +19,7 @@
 #include "unlatch/energy.h"
 #include "unlatch/redundancy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::loop_graphs_test {
 namespace {
 
 constexpr double kAgreement = 1e-10;  // relative to the largest force, and to the largest acceleration
@@ -387,4 +387,4 @@ TEST(LoopGraphs, RowsThatFollowFromTheOthersOnlyNearlyAreCounted) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::loop_graphs_test

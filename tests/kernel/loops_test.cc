@@ -13,7 +13,7 @@
 #include "tests/support/small_models.h"
 #include "tests/support/solve_comparison.h"
 
-namespace unlatch::test {
+namespace unlatch::test::loops_test {
 namespace {
 
 constexpr double kAgreement = 1e-10;  // relative to the largest of its kind, well-conditioned systems
@@ -238,7 +238,7 @@ TEST(Loops, AWeldThatClosesOneDoesNotDrift) {
     ASSERT_EQ(s.advance().status, StepStatus::kOk) << "tick " << i;
     update_motion(s);
     drift = std::max(drift, calc_drift(s.data(), s.state, s.evaluation()));
-    for (const unlatch::BodyState& b : s.state.bodies) fastest = std::max(fastest, norm(b.w));
+    for (const BodyState& b : s.state.bodies) fastest = std::max(fastest, norm(b.w));
   }
   std::printf("loop closed to %.1e, fastest %.2g rad/s\n", drift, fastest);
   EXPECT_GT(fastest, 1);
@@ -250,7 +250,7 @@ void expect_to_swing_freely(const Model& model, int redundant) {
   const auto energy = [&] {
     update_motion(s);
     double potential = 0;
-    for (const unlatch::BodyState& b : s.state.bodies) potential -= dot(s.data().gravity.uniform, b.p);
+    for (const BodyState& b : s.state.bodies) potential -= dot(s.data().gravity.uniform, b.p);
     return calc_balance(s.data(), s.state, s.evaluation()).kinetic + potential;
   };
   const double before = energy();
@@ -309,4 +309,4 @@ TEST(Loops, ABennettLinkageIsASpatialFourBarWithThreeRedundantRows) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::loops_test

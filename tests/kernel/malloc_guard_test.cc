@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace unlatch::test {
+namespace unlatch::test::malloc_guard_test {
 namespace {
 
 // Keeps the compiler from removing an unused allocation.
@@ -84,4 +84,4 @@ TEST_F(MallocGuard, CountsThisThreadOnly) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::malloc_guard_test

@@ -9,7 +9,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::mechanisms_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -125,7 +125,7 @@ AndrewsError run_andrews(double dt) {
   const std::vector<double> angles = andrews::calc_headings(andrews::kEnd);
   const std::vector<double> speeds = andrews::calc_headings(andrews::kEndSpeeds);
   for (std::size_t k = 0; k < 7; ++k) {
-    const unlatch::BodyState& body = s.state.bodies[k];
+    const BodyState& body = s.state.bodies[k];
     const double heading = 2 * std::atan2(body.q.z, body.q.w);
     error.angle = std::max(error.angle, std::abs(std::remainder(heading - angles[k], 2 * M_PI)));
     error.speed = std::max(error.speed, std::abs(body.w.z - speeds[k]));
@@ -145,4 +145,4 @@ TEST(Mechanisms, AndrewsSqueezerGoesWhereItIsPublishedToGo) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::mechanisms_test

@@ -10,7 +10,7 @@
 #include "unlatch/energy.h"
 #include "unlatch/readings.h"
 
-namespace unlatch::test {
+namespace unlatch::test::one_sided_test {
 namespace {
 
 constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the times of these tests
@@ -489,4 +489,4 @@ TEST(Elementary, TheLogarithmIsWithinTwoUnits) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::one_sided_test

@@ -9,7 +9,7 @@
 #include "tests/support/random.h"
 #include "tests/support/simulation.h"
 
-namespace unlatch::test {
+namespace unlatch::test::oracles_test {
 namespace {
 
 using Eigen::Index;
@@ -235,4 +235,4 @@ TEST(LumpedFlexible, IsARigidBodyWithoutModes) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::oracles_test

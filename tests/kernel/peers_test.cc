@@ -18,7 +18,7 @@
 #include "tests/support/peers/simbody_system.h"
 #endif
 
-namespace unlatch::test {
+namespace unlatch::test::peers_test {
 namespace {
 
 constexpr double kAgreement = 1e-9;  // joint accelerations, relative to the largest
@@ -148,4 +148,4 @@ TEST(Peers, SimbodyFindsTheSameBlowOfTwoSpheres) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::peers_test

@@ -11,7 +11,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::plan_image_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 48;
@@ -142,4 +142,4 @@ TEST(PlanImage, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::plan_image_test

@@ -8,7 +8,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::quantities_test {
 namespace {
 
 using Kind = Quantity::Kind;
@@ -229,4 +229,4 @@ TEST(Quantities, EachKindSaysWhatMotionDecidesItAndOneThatDoesNotDependsOnAll) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::quantities_test

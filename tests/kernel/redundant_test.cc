@@ -13,7 +13,7 @@
 #include "tests/support/solve_comparison.h"
 #include "unlatch/redundancy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::redundant_test {
 namespace {
 
 constexpr double kRounding = 1e-12;      // relative
@@ -498,4 +498,4 @@ TEST(RedundantReactions, PassThroughFlexibleBodiesInBalance) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::redundant_test

@@ -11,7 +11,7 @@
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 
-namespace unlatch::test {
+namespace unlatch::test::reference_test {
 namespace {
 
 using nlohmann::json;
@@ -199,4 +199,4 @@ TEST(Reference, MomentumIsTheSameBeforeAndAfterEveryEvent) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::reference_test

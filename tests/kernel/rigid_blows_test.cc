@@ -14,7 +14,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_blows_test {
 namespace {
 
 // A block on `feet` rough feet, 1 to 6, that lands tilted and turning on a floor.
@@ -195,4 +195,4 @@ TEST(RigidBlows, EveryWidthGivesTheSameBitsWithoutAllocation) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_blows_test

@@ -8,7 +8,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_capsules_test {
 namespace {
 
 constexpr double kPeg = 0.2, kRod = 0.05, kReach = kPeg + kRod;  // m, radii and their sum
@@ -171,4 +171,4 @@ TEST(RigidCapsules, ParallelOnesHaveNoRowAndTheStepFailsWithThatReason) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_capsules_test

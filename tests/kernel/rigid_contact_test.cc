@@ -16,7 +16,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_contact_test {
 namespace {
 
 // The gap of a closed pair, m, and its rate, m/s: the projections leave rounding.
@@ -506,4 +506,4 @@ TEST(RigidContact, ALandingOnOneFootComesToRestOnFour) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_contact_test

@@ -15,7 +15,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_friction_test {
 namespace {
 
 // The block on four feet on a floor that is tilted by an angle about y: it would slide along +x.
@@ -436,4 +436,4 @@ TEST(RigidFriction, EveryWidthGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_friction_test

@@ -12,7 +12,7 @@
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_limits_test {
 namespace {
 
 // Stools that fall on tables, rock, slide over edges and rails and fall off. Redundant feet go over edges: their rows
@@ -209,4 +209,4 @@ TEST(RigidContact, WhatItCannotHoldIsRefused) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_limits_test

@@ -11,7 +11,7 @@
 #include "tests/support/random_model.h"
 #include "tests/support/solve_comparison.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scalar_solver_test {
 namespace {
 
 constexpr double kAgreement = 1e-10;     // relative to the largest of its kind, well-conditioned systems
@@ -111,4 +111,4 @@ TEST(ScalarSolver, AgreesWithTheSweepsAndADenseSolveOnLoops) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scalar_solver_test

@@ -4,7 +4,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::sensors_test {
 namespace {
 
 constexpr double kRounding = 1e-10;
@@ -72,4 +72,4 @@ TEST(Sensors, ContactsReadTheirSignalAndGaugesTheirJoint) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::sensors_test

@@ -15,7 +15,7 @@
 #include "tests/support/modal_model.h"
 #include "tests/support/simulation.h"
 
-namespace unlatch::test {
+namespace unlatch::test::spinning_test {
 namespace {
 
 using Eigen::Index;
@@ -145,4 +145,4 @@ TEST(Spinning, TheSpinSplitsAPairOfBendings) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::spinning_test

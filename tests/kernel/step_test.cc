@@ -18,7 +18,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/frequencies.h"
 
-namespace unlatch::test {
+namespace unlatch::test::step_test {
 namespace {
 
 Model build_boosters() { return build_soyuz(load_reference("soyuz_nominal")); }
@@ -307,4 +307,4 @@ TEST(Step, KnowsHowFastALatchSwings) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::step_test

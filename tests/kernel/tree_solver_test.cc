@@ -10,7 +10,7 @@
 #include "tests/support/random_model.h"
 #include "tests/support/solve_comparison.h"
 
-namespace unlatch::test {
+namespace unlatch::test::tree_solver_test {
 namespace {
 
 constexpr double kAgreement = 1e-10;          // relative to the largest of its kind, well-conditioned systems
@@ -151,4 +151,4 @@ TEST(TreeSolver, PutsTheRootOfAChainInItsMiddle) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::tree_solver_test

@@ -7,7 +7,7 @@
 
 #include "unlatch/model.h"
 
-namespace unlatch::test {
+namespace unlatch::test::validate_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -188,4 +188,4 @@ TEST(Validate, SurvivesIndicesThatAreNonsense) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::validate_test

@@ -7,7 +7,7 @@
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::varying_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -203,4 +203,4 @@ TEST(Varying, AMistakenLawIsNamed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::varying_test

@@ -14,7 +14,7 @@
 
 #include "tests/library/handles.h"
 
-namespace unlatch::test {
+namespace unlatch::test::hostile_use_test {
 namespace {
 
 using testing::HasSubstr;
@@ -378,4 +378,4 @@ TEST(Batches, AnInterruptedBatchGoesOn) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::hostile_use_test

@@ -15,7 +15,7 @@
 #include "tests/library/handles.h"
 #include "tests/support/malloc_guard.h"
 
-namespace unlatch::test {
+namespace unlatch::test::simulation_facts_test {
 namespace {
 
 constexpr int kWhole = 2000;  // ticks: past every event of the boosters' cyclogram
@@ -406,4 +406,4 @@ elements:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::simulation_facts_test

@@ -20,7 +20,7 @@ struct Frame {
 Frame calc_frame(const SystemState& state, int body) {
   Frame frame;
   if (body == kGround) return frame;
-  const BodyState& b = state.bodies[static_cast<std::size_t>(body)];
+  const DenseBodyState& b = state.bodies[static_cast<std::size_t>(body)];
   frame.C = b.q_WB.cast<Real>().toRotationMatrix();
   frame.p = b.p_WB.cast<Real>();
   frame.v = b.v_WB.cast<Real>();

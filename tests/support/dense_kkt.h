@@ -25,7 +25,7 @@ using Real = long double;
 using RealVector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 using RealMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
-struct BodyState {
+struct DenseBodyState {
   Eigen::Vector3d p_WB, v_WB;  // m, m/s, inertial axes
   Eigen::Quaterniond q_WB;     // body to inertial
   Eigen::Vector3d w_WB_B;      // rad/s, body axes
@@ -36,7 +36,7 @@ struct Wrench {  // at the centre of mass, inertial axes, N and N m
 };
 
 struct SystemState {
-  std::vector<BodyState> bodies;
+  std::vector<DenseBodyState> bodies;
   std::vector<int> modes;  // per joint, index into Joint::modes
 };
 SystemState build_initial_state(const Model& model);

@@ -69,7 +69,7 @@ Model disturb(Model model, double size, Random& random) {
 }
 
 SystemState disturb(SystemState state, double size, Random& random) {
-  for (BodyState& body : state.bodies) {
+  for (DenseBodyState& body : state.bodies) {
     body.v_WB += draw(random, size * body.v_WB.norm());
     body.w_WB_B += draw(random, size * body.w_WB_B.norm());
   }
@@ -97,7 +97,7 @@ KernelSolution read_solution(const Simulation& simulation) {
 
 SystemState read_state(const Simulation& simulation) {
   SystemState state;
-  for (const unlatch::BodyState& b : simulation.state.bodies)
+  for (const BodyState& b : simulation.state.bodies)
     state.bodies.push_back(
         {to_eigen(b.p), to_eigen(b.v), Eigen::Quaterniond(b.q.w, b.q.x, b.q.y, b.q.z), to_eigen(b.w)});
   for (const JointState& joint : simulation.state.joints) state.modes.push_back(static_cast<int>(joint.mode));

@@ -40,7 +40,7 @@ inline bool is_finite(std::initializer_list<double> numbers) {
 // Returns true if every number of the state is finite.
 inline bool is_finite(const State& state) {
   bool finite = true;
-  for (const unlatch::BodyState& b : state.bodies)
+  for (const BodyState& b : state.bodies)
     finite = finite &&
              is_finite({b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.v.x, b.v.y, b.v.z, b.w.x, b.w.y, b.w.z});
   for (const JointState& j : state.joints)

@@ -10,7 +10,8 @@ Matrix = npt.NDArray[np.float64]
 class LinearModel(NamedTuple):
     """dx/dt = A x + B u, y = C x + D u about the state at `time`, s. x: deviations of the free coordinates of the present modes, then of
     their speeds; u: of all channels; y: of all sensors' values, then of all quantities. *_error: estimated errors of the entries.
-    poles: of A, 1/s, by their size. gains: the steady-state gains D - C A^-1 B, outputs by inputs; None where a pole is at 0."""
+    poles: of A, 1/s, by their size. gains: the steady-state gains D - C A^-1 B, outputs by inputs; inf where the
+    input moves the output without end, by a motion of a pole at 0."""
 
     time: float
     states: List[str]
@@ -28,8 +29,8 @@ class LinearModel(NamedTuple):
     C_error: Matrix
     D_error: Matrix
     poles: List[complex]
-    gains: Optional[Matrix]
-    gains_error: Optional[Matrix]
+    gains: Matrix
+    gains_error: Matrix
 
 
 class LoopMargins(NamedTuple):

@@ -9,7 +9,7 @@
 #include "tests/hil/session/session_support.h"
 #include "unlatch/contacts.h"
 
-namespace unlatch::test {
+namespace unlatch::test::checkpoint_test {
 namespace {
 
 // A scenario with every kind of memory in a state: a profile in an element's own time, a ramp, an event that waits for
@@ -365,4 +365,4 @@ TEST(Checkpoint, ThatCannotBeWrittenLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::checkpoint_test

@@ -6,7 +6,7 @@
 #include "tests/hil/run/analysed_run.h"
 #include "tests/support/random.h"
 
-namespace unlatch::test {
+namespace unlatch::test::clearance_history_test {
 namespace {
 
 constexpr double kExact = 1e-9;    // m, shapes of some metres
@@ -297,4 +297,4 @@ clearance:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::clearance_history_test

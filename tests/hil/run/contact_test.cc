@@ -8,7 +8,7 @@
 #include "hil/run/findings/findings.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::contact_test {
 namespace {
 
 constexpr double kLocated = 1e-6;  // s, also for a peak: located inside the step
@@ -288,4 +288,4 @@ contacts:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::contact_test

@@ -5,7 +5,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::corners_test {
 namespace {
 
 constexpr double kExact = 1e-9;  // relative, of forces that are linear in time between their corners
@@ -215,4 +215,4 @@ TEST(Corners, OfALawThatNoForceReadsLeaveItsGreatestValueAsItIs) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::corners_test

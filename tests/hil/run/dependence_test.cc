@@ -6,7 +6,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::dependence_test {
 namespace {
 
 // A ball under a law that 10 ms do not resolve, from `from` on, and riders on rails along its motion, which feel none
@@ -161,4 +161,4 @@ requirements:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::dependence_test

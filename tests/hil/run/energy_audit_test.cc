@@ -12,7 +12,7 @@
 #include "hil/scenario/scenario.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::energy_audit_test {
 namespace {
 
 // Error of the balance of a resolved motion, relative to its largest energy: RK4 at h·ω = 0.02 loses (h·ω)⁶/144 a step,
@@ -224,4 +224,4 @@ elements:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::energy_audit_test

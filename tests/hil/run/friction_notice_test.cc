@@ -6,7 +6,7 @@
 #include "hil/run/findings/findings.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::friction_notice_test {
 namespace {
 
 std::optional<hil::RunNotice> find_notice(const AnalysedRun& run, const std::string& name, const std::string& subject) {
@@ -128,4 +128,4 @@ TEST(FrictionNotices, APushersFrictionIsTold) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::friction_notice_test

@@ -14,7 +14,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::implicit_audit_test {
 namespace {
 
 // A panel of 1 kg on a spring of 1e6 N/m (0.999 kg of reduced mass), both of which accelerate at 10 m/s²; the panel has
@@ -233,4 +233,4 @@ TEST(ImplicitAudit, WhatReadsTheSpeedInOtherWordsDependsOnIt) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::implicit_audit_test

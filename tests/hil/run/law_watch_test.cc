@@ -9,7 +9,7 @@
 #include "hil/run/findings/findings.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::law_watch_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST(LawsWatched, CheckKnowsLawsOfTimeBeforehand) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::law_watch_test

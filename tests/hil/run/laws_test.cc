@@ -12,7 +12,7 @@
 #include "hil/run/run.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::laws_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -373,4 +373,4 @@ TEST(LawsOfScenarios, ATableThatIsLeftIsNoticedOrEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::laws_test

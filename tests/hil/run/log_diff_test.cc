@@ -10,7 +10,7 @@
 #include "hil/run/checkpoint.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::log_diff_test {
 namespace {
 
 using hil::Pace;
@@ -300,4 +300,4 @@ TEST(StateFields, EveryWordOfTheStateHasANameOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::log_diff_test

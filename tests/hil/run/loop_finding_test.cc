@@ -6,7 +6,7 @@
 #include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::loop_finding_test {
 namespace {
 
 // Bodies at one point, each held to each other by a ball joint.
@@ -38,4 +38,4 @@ TEST(LoopFindings, ManyLoopsThatAreOpenAtOneBodyAreWarnedOf) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::loop_finding_test

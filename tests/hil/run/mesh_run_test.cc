@@ -6,7 +6,7 @@
 #include "tests/hil/run/analysed_run.h"
 #include "tests/hil/scenario/mesh_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::mesh_run_test {
 namespace {
 
 constexpr double kExact = 1e-9;    // m, shapes of some metres
@@ -143,4 +143,4 @@ clearance: all
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::mesh_run_test

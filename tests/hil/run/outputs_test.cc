@@ -8,7 +8,7 @@
 #include "hil/run/outputs/run_outputs.h"
 #include "hil/run/run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::outputs_test {
 namespace {
 
 using hil::Output;
@@ -289,4 +289,4 @@ TEST_F(OutputsTest, TheCommandLineSelectsAsTheScenarioDoes) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::outputs_test

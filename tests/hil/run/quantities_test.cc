@@ -14,7 +14,7 @@
 #include "hil/study/evaluation/results.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::quantities_test {
 namespace {
 
 // A body, an element, a contact of every sort that a quantity may name.
@@ -156,4 +156,4 @@ TEST(QuantitiesOfScenarios, MistakesNameTheirPlaceAndWhatWouldBeRight) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::quantities_test

@@ -6,7 +6,7 @@
 
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::recorder_test {
 namespace {
 
 using hil::LogFileReader;
@@ -228,4 +228,4 @@ TEST(Recording, ChecksumIsCrc64Xz) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::recorder_test

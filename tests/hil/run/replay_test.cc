@@ -6,7 +6,7 @@
 
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::replay_test {
 namespace {
 
 using hil::Pace;
@@ -236,4 +236,4 @@ TEST(FastRun, RecordsAndReplays) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::replay_test

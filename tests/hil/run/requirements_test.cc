@@ -3,7 +3,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::requirements_test {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
@@ -305,4 +305,4 @@ TEST(Requirements, MistakesAreToldWithTheirPlaceAndAGuess) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::requirements_test

@@ -6,7 +6,7 @@
 #include "tests/hil/run/analysed_run.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rigid_contact_test {
 namespace {
 
 constexpr double kWeight = 2 * 9.81;  // N
@@ -146,4 +146,4 @@ TEST(RigidContacts, NoLinearModelIsMadeOfOneThatIsClosed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rigid_contact_test

@@ -3,7 +3,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::search_notice_test {
 namespace {
 
 std::vector<hil::RunNotice> list_notices(const AnalysedRun& run) {
@@ -144,4 +144,4 @@ TEST(SearchNotices, ABallThatPassesClearlyIsNot) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::search_notice_test

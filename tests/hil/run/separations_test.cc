@@ -3,7 +3,7 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::separations_test {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
@@ -188,4 +188,4 @@ clearance: all
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::separations_test

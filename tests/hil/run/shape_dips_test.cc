@@ -13,7 +13,7 @@
 #include "hil/scenario/scenario.h"
 #include "tests/support/random.h"
 
-namespace unlatch::test {
+namespace unlatch::test::shape_dips_test {
 namespace {
 
 constexpr int kDense = 200;          // instants of a piece
@@ -181,4 +181,4 @@ TEST(ShapeDips, SkippedPairsOfShapesChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::shape_dips_test

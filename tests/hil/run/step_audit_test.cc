@@ -12,7 +12,7 @@
 #include "hil/study/evaluation/evaluation.h"
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::step_audit_test {
 namespace {
 
 std::set<std::string> list_steps(const AnalysedRun& run) {
@@ -184,4 +184,4 @@ TEST(StepAudit, ASampleIsJudgedAsTheRunOfItsScenario) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::step_audit_test

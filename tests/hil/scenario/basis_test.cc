@@ -5,7 +5,7 @@
 #include "hil/scenario/language/record.h"
 #include "hil/scenario/scenario.h"
 
-namespace unlatch::test {
+namespace unlatch::test::basis_test {
 namespace {
 
 using ::testing::DoubleEq;
@@ -166,4 +166,4 @@ TEST(Basis, RequirementsHaveParentsAndReasons) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::basis_test

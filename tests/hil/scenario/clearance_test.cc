@@ -10,7 +10,7 @@
 
 #include "hil/scenario/base/from_eigen.h"
 
-namespace unlatch::test {
+namespace unlatch::test::clearance_test {
 namespace {
 
 using geometry::Shape;
@@ -182,4 +182,4 @@ TEST(Clearance, NeedsShapes) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::clearance_test

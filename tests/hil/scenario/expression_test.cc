@@ -8,7 +8,7 @@
 #include "tests/hil/scenario/scenario_support.h"
 #include "unlatch/elementary.h"
 
-namespace unlatch::test {
+namespace unlatch::test::expression_test {
 namespace {
 
 using hil::evaluate_expression;
@@ -197,4 +197,4 @@ TEST(Constants, ChannelsHaveTheirUnit) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::expression_test

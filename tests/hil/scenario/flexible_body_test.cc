@@ -8,7 +8,7 @@
 
 #include "tests/hil/scenario/modes_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::flexible_body_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -211,4 +211,4 @@ TEST(FlexibleBody, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::flexible_body_test

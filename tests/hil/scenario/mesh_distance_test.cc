@@ -11,7 +11,7 @@
 #include "tests/hil/scenario/mesh_support.h"
 #include "tests/support/random.h"
 
-namespace unlatch::test {
+namespace unlatch::test::mesh_distance_test {
 namespace {
 
 using geometry::Distance;
@@ -327,4 +327,4 @@ TEST(MeshDistance, OfWatchedPairsIsTheLeastOfMeshesAndShapesAndToldApart) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::mesh_distance_test

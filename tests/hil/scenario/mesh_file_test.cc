@@ -13,7 +13,7 @@
 #include "tests/hil/scenario/mesh_support.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::mesh_file_test {
 namespace {
 
 using ::testing::AllOf;
@@ -236,4 +236,4 @@ TEST_F(MeshScenario, MeshesAreRefusedWhereTheStepNeedsADistance) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::mesh_file_test

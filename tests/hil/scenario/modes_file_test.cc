@@ -4,7 +4,7 @@
 
 #include "tests/hil/scenario/modes_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::modes_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST(ModesFile, AFolderOrNothingIsRefused) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::modes_file_test

@@ -12,7 +12,7 @@
 #include "tests/support/simulation.h"
 #include "unlatch/contacts.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scenario_flexible_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -168,4 +168,4 @@ TEST_F(ScenarioFlexible, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scenario_flexible_test

@@ -7,7 +7,7 @@
 #include "hil/scenario/yaml/yaml_document.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scenario_hostile_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -74,4 +74,4 @@ TEST(ScenarioText, SurvivesRandomDamage) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scenario_hostile_test

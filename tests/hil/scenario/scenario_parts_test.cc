@@ -10,7 +10,7 @@
 #include "kernel/compile/model_hash.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scenario_parts_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -286,4 +286,4 @@ TEST(Templates, TheBoostersAreTheSameFour) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scenario_parts_test

@@ -4,7 +4,7 @@
 
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scenario_shapes_test {
 namespace {
 
 using geometry::Shape;
@@ -224,4 +224,4 @@ TEST(ScenarioShapes, APairWithoutADistanceIsAMistakeAndUnderAllARemark) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scenario_shapes_test

@@ -7,7 +7,7 @@
 #include "tests/hil/scenario/scenario_support.h"
 #include "unlatch/plan.h"
 
-namespace unlatch::test {
+namespace unlatch::test::scenario_test {
 namespace {
 
 using ::testing::AllOf;
@@ -263,4 +263,4 @@ TEST(ScenarioOverrides, MistakesNameTheOverride) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::scenario_test

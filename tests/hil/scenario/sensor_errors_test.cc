@@ -14,7 +14,7 @@
 #include "tests/hil/scenario/scenario_support.h"
 #include "tests/support/small_models.h"
 
-namespace unlatch::test {
+namespace unlatch::test::sensor_errors_test {
 namespace {
 
 constexpr double kDt = 0.001;  // s
@@ -307,4 +307,4 @@ TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::sensor_errors_test

@@ -8,7 +8,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::announcer_test {
 namespace {
 
 using hil::MessageKind;
@@ -97,4 +97,4 @@ TEST(Announcer, HelloCountsTheItemsOfTheCatalog) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::announcer_test

@@ -5,7 +5,7 @@
 
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::channel_writer_test {
 namespace {
 
 using hil::ChangeCause;
@@ -121,4 +121,4 @@ TEST_F(ChannelWriterTest, AChannelWithAFaultHasACommanderToo) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::channel_writer_test

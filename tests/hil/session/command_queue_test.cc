@@ -8,7 +8,7 @@
 
 #include "tests/hil/session/fake_connection.h"
 
-namespace unlatch::test {
+namespace unlatch::test::command_queue_test {
 namespace {
 
 using hil::Reject;
@@ -169,4 +169,4 @@ TEST_F(CommandQueueTest, TheLastAnswersToARepeatedStateMayComeBehindItsStep) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::command_queue_test

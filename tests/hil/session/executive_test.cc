@@ -10,7 +10,7 @@
 #include "tests/hil/session/session_support.h"
 #include "tests/support/malloc_guard.h"
 
-namespace unlatch::test {
+namespace unlatch::test::executive_test {
 namespace {
 
 using hil::Pace;
@@ -265,4 +265,4 @@ TEST(Histogram, PercentilesAreWithinOneBucketOfTheTruth) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::executive_test

@@ -5,7 +5,7 @@
 #include "hil/session/faults/fault_injector.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::fault_test {
 namespace {
 
 using hil::Pace;
@@ -167,4 +167,4 @@ TEST(FaultScript, MistakesHaveTheirPlace) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::fault_test

@@ -7,7 +7,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::faulty_connection_test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;  // ns
@@ -108,4 +108,4 @@ TEST(ChannelFaults, KeepCommandsUntilTheFaultEnds) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::faulty_connection_test

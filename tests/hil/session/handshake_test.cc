@@ -5,7 +5,7 @@
 
 #include "tests/hil/session/fake_connection.h"
 
-namespace unlatch::test {
+namespace unlatch::test::handshake_test {
 namespace {
 
 using hil::Reject;
@@ -103,4 +103,4 @@ TEST_F(HandshakeTest, ANewStartOfALostOneTakesItsPlace) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::handshake_test

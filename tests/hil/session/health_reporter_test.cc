@@ -8,7 +8,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::health_reporter_test {
 namespace {
 
 using hil::MessageKind;
@@ -85,4 +85,4 @@ TEST_P(HealthReporterTest, HealthAndTheSummaryHaveTheCountsOfAllParts) {
 INSTANTIATE_TEST_SUITE_P(Clocks, HealthReporterTest, testing::Values(-3'600'000 * kMs, -500 * kMs, -1, 0, 1));
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::health_reporter_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace unlatch::test {
+namespace unlatch::test::heartbeat_test {
 namespace {
 
 using hil::RunPlace;
@@ -33,4 +33,4 @@ TEST(Heartbeat, ThePlaceNamesTheTickOnceTheRunHasBegun) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::heartbeat_test

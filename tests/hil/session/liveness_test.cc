@@ -5,7 +5,7 @@
 
 #include "tests/hil/session/fake_connection.h"
 
-namespace unlatch::test {
+namespace unlatch::test::liveness_test {
 namespace {
 
 using hil::Policy;
@@ -133,4 +133,4 @@ TEST(Liveness, PoliciesSetChannelsWithinTheirRanges) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::liveness_test

@@ -3,7 +3,7 @@
 
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::lockstep_test {
 namespace {
 
 using hil::Pace;
@@ -183,4 +183,4 @@ TEST(Lockstep, PolicyPauseWaitsAndThenGoesOnAsIfNothingHadBeen) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::lockstep_test

@@ -5,7 +5,7 @@
 
 #include "tests/hil/session/fake_connection.h"
 
-namespace unlatch::test {
+namespace unlatch::test::participants_test {
 namespace {
 
 using hil::Admission;
@@ -86,4 +86,4 @@ TEST(SeenCommands, AreRecognisedInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::participants_test

@@ -8,7 +8,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::publisher_test {
 namespace {
 
 using hil::MessageKind;
@@ -122,4 +122,4 @@ TEST(WarmUp, IsLeftOutWhenThereIsNotEnoughTime) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::publisher_test

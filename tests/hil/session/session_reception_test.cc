@@ -5,7 +5,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::session_reception_test {
 namespace {
 
 using hil::MessageKind;
@@ -148,4 +148,4 @@ TEST_P(SessionReceptionTest, EachOtherSimulatorIsReportedOnceAndInventedOnesAreN
 INSTANTIATE_TEST_SUITE_P(Clocks, SessionReceptionTest, testing::Values(-1'000'000, -9, 0, 1'000'000));
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::session_reception_test

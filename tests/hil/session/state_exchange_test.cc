@@ -7,7 +7,7 @@
 #include "tests/hil/session/fake_connection.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::state_exchange_test {
 namespace {
 
 using hil::MessageKind;
@@ -88,4 +88,4 @@ TEST_P(StateExchangeTest, ARepeatedStateAsksForTheCommandsThatAreMissing) {
 INSTANTIATE_TEST_SUITE_P(Clocks, StateExchangeTest, testing::Values(-3'600'000'000'000, -60, -1, 0, 1'000'000'000));
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::state_exchange_test

@@ -12,7 +12,7 @@
 #include "hil/study/campaign/samples/sample_record.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::campaign_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -430,4 +430,4 @@ TEST_F(CampaignFileTest, CorrelationsThatContradictEachOtherAreAMistake) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::campaign_file_test

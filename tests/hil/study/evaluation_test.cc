@@ -14,7 +14,7 @@
 #include "hil/study/campaign/campaign.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::evaluation_test {
 namespace {
 
 using hil::make_setting;
@@ -392,4 +392,4 @@ TEST(Setting, TextReadsAsTheSameValue) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::evaluation_test

@@ -14,7 +14,7 @@
 #include "hil/study/campaign/samples/sample_pool.h"
 #include "tests/hil/scenario/scenario_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::handout_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,4 +157,4 @@ TEST_F(SamplePoolTest, HandsOnWhatASampleThrew) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::handout_test

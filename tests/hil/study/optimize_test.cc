@@ -15,7 +15,7 @@
 #include "hil/study/statistics/binomial.h"
 #include "hil/study/statistics/statistics.h"
 
-namespace unlatch::test {
+namespace unlatch::test::optimize_test {
 namespace {
 
 using hil::OptimizeEvaluations;
@@ -300,4 +300,4 @@ TEST(OptimizeDemand, WhatIsConfirmableIsConfirmedByAlmostAllSamples) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::optimize_test

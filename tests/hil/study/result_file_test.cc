@@ -16,7 +16,7 @@
 
 #include "hil/study/campaign/samples/result_table.h"
 
-namespace unlatch::test {
+namespace unlatch::test::result_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -248,4 +248,4 @@ TEST_F(ResultFileTest, HashSeesEveryPartOfASample) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::result_file_test

@@ -11,7 +11,7 @@
 #include "hil/scenario/base/philox.h"
 #include "hil/study/sampling/distribution.h"
 
-namespace unlatch::test {
+namespace unlatch::test::sampling_test {
 namespace {
 
 using hil::Distribution;
@@ -181,4 +181,4 @@ TEST(Saltelli, BlocksExchangeOneAxis) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::sampling_test

@@ -11,7 +11,7 @@
 
 #include "hil/study/sampling/sampling.h"
 
-namespace unlatch::test {
+namespace unlatch::test::statistics_test {
 namespace {
 
 TEST(Statistics, QuantilesAreNumPys) {
@@ -169,4 +169,4 @@ TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::statistics_test

@@ -13,7 +13,7 @@
 
 #include "hil/scenario/base/normal.h"
 
-namespace unlatch::test {
+namespace unlatch::test::subset_test {
 namespace {
 
 using hil::SubsetEstimate;
@@ -228,4 +228,4 @@ TEST(Subset, AnyNumbersAreBorne) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::subset_test

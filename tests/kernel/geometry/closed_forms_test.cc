@@ -5,7 +5,7 @@
 
 #include "tests/kernel/geometry/solids.h"
 
-namespace unlatch::test {
+namespace unlatch::test::closed_forms_test {
 namespace {
 
 using geometry::Distance;
@@ -172,4 +172,4 @@ TEST(GeometryClosedForms, TwoHalfSpacesHaveNoDistance) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::closed_forms_test

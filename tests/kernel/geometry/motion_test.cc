@@ -12,7 +12,7 @@
 #include "unlatch/geometry/group_pair.h"
 #include "unlatch/geometry/reach.h"
 
-namespace unlatch::test {
+namespace unlatch::test::motion_test {
 namespace {
 
 using geometry::CompiledShape;
@@ -335,4 +335,4 @@ TEST(GeometryMotion, GroupsInMotionHaveTheBitsOfAllTheirPairs) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::motion_test

@@ -10,7 +10,7 @@
 
 #include "tests/kernel/geometry/solids.h"
 
-namespace unlatch::test {
+namespace unlatch::test::pairs_test {
 namespace {
 
 using geometry::Distance;
@@ -65,4 +65,4 @@ std::vector<std::tuple<int, int>> list_pairs() {
 INSTANTIATE_TEST_SUITE_P(Every, GeometryPairs, ::testing::ValuesIn(list_pairs()), name_pair);
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::pairs_test

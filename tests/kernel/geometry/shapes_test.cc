@@ -5,7 +5,7 @@
 
 #include "unlatch/geometry.h"
 
-namespace unlatch::test {
+namespace unlatch::test::shapes_test {
 namespace {
 
 using geometry::check_shape;
@@ -60,4 +60,4 @@ TEST(GeometryShapes, GoodShapesHaveNoMistakes) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::shapes_test

@@ -6,7 +6,7 @@
 
 #include "tests/kernel/geometry/wall_search.h"
 
-namespace unlatch::test {
+namespace unlatch::test::walls_test {
 namespace {
 
 using geometry::CompiledShape;
@@ -204,4 +204,4 @@ TEST(GeometryWalls, AreContinuousThroughTheTouch) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::walls_test

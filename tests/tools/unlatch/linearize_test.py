@@ -58,7 +58,7 @@ class LinearizeTest(ProcessTest):
         np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
     # A constant torque turns the bar by torque / stiffness in the end, and no further.
-    def test_a_pendulum_has_its_steady_state_gains_and_a_free_body_has_none(self):
+    def test_a_pendulum_has_its_steady_state_gains_and_without_gravity_that_of_its_speed(self):
         linear = self.linearize()
         np.testing.assert_allclose(linear["gains"], [[1 / STIFFNESS], [0]], rtol=DIFFERENCES, atol=1e-9)
         self.assertLessEqual(abs(linear["gains"][0][0] - 1 / STIFFNESS), linear["gains_error"][0][0])
@@ -67,8 +67,46 @@ class LinearizeTest(ProcessTest):
         longer = self.run_json(UNLATCH, "run", self.plant, "--until", "60 s", "--set", "channels.torque.initial=0.01", "--sample", "60")
         self.assertAlmostEqual(2 * longer["samples"][0]["bodies"]["bar"]["q"][3] / 0.01, linear["gains"][0][0], delta=1e-6)
         self.plant.write_text(PENDULUM.replace("gravity: {uniform: [9.81, 0, 0]}\n", ""), encoding="utf-8")
-        self.assertIsNone(self.linearize()["gains"])
-        self.assertIn("1 pole at 0", self.run_ok(UNLATCH, "linearize", self.plant).stdout)
+        free = self.linearize()
+        self.assertIsNone(free["gains"][0][0])
+        self.assertAlmostEqual(free["gains"][1][0], 1 / DAMPING, delta=DIFFERENCES / DAMPING)
+        text = self.run_ok(UNLATCH, "linearize", self.plant).stdout
+        self.assertIn("1 pole at 0", text)
+        self.assertIn("  1 gain without end", text)
+        self.run_ok(UNLATCH, "linearize", self.plant, "--out", self.folder / "free.npz")
+        with np.load(self.folder / "free.npz") as file:
+            np.testing.assert_allclose(file["gains"], [[np.inf], [1 / DAMPING]], rtol=DIFFERENCES)
+
+    # The panel bends by what its own acceleration asks of the spring; bus and panel float freely in all six freedoms.
+    def test_a_torque_that_turns_a_satellite_ever_faster_bends_its_panel_by_a_finite_angle(self):
+        mass, inertia, panel, own, hinge, arm, stiffness = 40.0, 9.0, 3.0, 0.5, 0.8, 1.1, 5.0
+        self.plant.write_text(f"""unlatch: 1
+name: satellite
+step: {{dt: 1 ms, until: 1}}
+channels: {{torque: {{initial: 0, range: [-9, 9], unit: N m}}}}
+bodies:
+  bus: {{mass: {mass}, inertia: [8, 10, {inertia}]}}
+  panel: {{mass: {panel}, inertia: [0.1, 0.6, {own}], position: [{hinge + arm}, 0, 0]}}
+joints:
+  hinge: {{between: [bus, panel], point: [{hinge}, 0, 0], follower_point: [{-arm}, 0, 0], modes: {{hinge: {{kind: revolute, axis: z}}}}, mode: hinge}}
+elements:
+  spring: {{type: joint_spring, joint: hinge, axis: rot_z, stiffness: {stiffness}, damping: 0.4}}
+  wheel: {{type: torque, body: bus, frame: world, direction: [0, 0, 1], profile: 1 N*m, channel: torque}}
+sensors:
+  bend: {{type: angle, joint: hinge, axis: rot_z}}
+  gyro: {{type: rate, body: bus}}
+""", encoding="utf-8")
+        linear = self.linearize()
+        together = mass * panel / (mass + panel) * (hinge + arm)
+        acceleration = 1 / (inertia + own + together * (hinge + arm))
+        wanted = -(own + arm * together) * acceleration / stiffness
+        gains = {output["name"]: row[0] for output, row in zip(linear["outputs"], linear["gains"])}
+        self.assertAlmostEqual(gains["sensor.bend"], wanted, delta=1e-7 * abs(wanted))
+        self.assertIsNone(gains["sensor.gyro.z"])
+        self.assertAlmostEqual(gains["sensor.gyro.x"], 0, delta=1e-9)
+        text = self.run_ok(UNLATCH, "linearize", self.plant).stdout
+        self.assertRegex(text, r"12 poles at 0.*free motions")
+        self.assertRegex(text, rf"torque to sensor.bend +{wanted:.6g} rad per N m\n  1 gain")
 
     def test_its_files_are_read_by_numpy_and_as_a_matlab_file(self):
         linear = self.linearize("--at", "0.1")

@@ -3,7 +3,7 @@
 
     recordings_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 
-UNLATCH_KILLS: number of killed processes (200).
+UNLATCH_KILLS: number of killed processes (60).
 """
 
 import concurrent.futures
@@ -21,7 +21,7 @@ import unittest
 from processes import BOOSTERS, HANG, PATIENT, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, call, main
 from recording_files import read_events, read_ticks
 
-KILLS = int(os.environ.get("UNLATCH_KILLS", 200))
+KILLS = int(os.environ.get("UNLATCH_KILLS", 60))
 ENDLESS = ["--until", "100000"]
 
 

@@ -92,8 +92,8 @@ Json build_json(const hil::Scenario& scenario, const hil::LinearSystem& system, 
                {"accelerations", std::vector<double>(model.accelerations.begin(), model.accelerations.end())}};
   Json& poles = json["poles"] = Json::array();
   for (const std::complex<double>& pole : system.poles) poles.push_back({pole.real(), pole.imag()});
-  json["gains"] = system.gains ? build_matrix(system.gains->values) : Json(nullptr);
-  json["gains_error"] = system.gains ? build_matrix(system.gains->errors) : Json(nullptr);
+  json["gains"] = build_matrix(system.gains.values);  // JSON writes what is infinite as null
+  json["gains_error"] = build_matrix(system.gains.errors);
   json["corners"] = model.corners;
   Json& list = json["loops"] = Json::array();
   for (const Loop& loop : loops)
@@ -130,10 +130,8 @@ void write_file(const std::string& path, const hil::Scenario& scenario, const hi
     poles.row(i) << pole.real(), pole.imag();
   }
   matrices.push_back({"poles", std::move(poles)});
-  if (system.gains) {
-    matrices.push_back({"gains", system.gains->values});
-    matrices.push_back({"gains_error", system.gains->errors});
-  }
+  matrices.push_back({"gains", system.gains.values});
+  matrices.push_back({"gains_error", system.gains.errors});
   std::vector<NamedTexts> texts;
   const auto add = [&](const std::string& what, const std::vector<hil::LinearName>& names) {
     NamedTexts& own = texts.emplace_back(NamedTexts{what, {}});
@@ -176,21 +174,25 @@ void print_poles(std::FILE* out, const hil::LinearSystem& system) {
                  hil::write_short(drop_rounding(-pole.real() / size, 1e3)).c_str());
   }
   if (still > 0)
-    std::fprintf(out, "%s at 0, to %s /s: free motions, so that there are no steady-state gains\n",
+    std::fprintf(out, "%s at 0, to %s /s: free motions\n",
                  count(still, "pole").c_str(), hil::write_short(system.pole_rounding).c_str());
 }
 
 // In the order of the model; gains that are not distinct from 0 are left out.
 void print_gains(std::FILE* out, const hil::LinearSystem& system) {
-  if (!system.gains || system.gains->values.size() == 0) return;
+  if (system.gains.values.size() == 0) return;
   constexpr int kMost = 40;
   std::fprintf(out, "\nsteady-state gains\n");
-  int printed = 0, left = 0;
+  int printed = 0, left = 0, endless = 0;
   for (std::size_t i = 0; i < system.inputs.size(); ++i)
     for (std::size_t k = 0; k < system.outputs.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(i);
-      const double gain = system.gains->values(row, column);
-      if (std::abs(gain) <= system.gains->errors(row, column)) continue;  // not distinct from 0
+      const double gain = system.gains.values(row, column);
+      if (std::isinf(gain)) {
+        ++endless;
+        continue;
+      }
+      if (std::abs(gain) <= system.gains.errors(row, column)) continue;  // not distinct from 0
       if (printed == kMost) {
         ++left;
         continue;
@@ -200,6 +202,8 @@ void print_gains(std::FILE* out, const hil::LinearSystem& system) {
                    hil::write_short(gain).c_str(), system.outputs[k].unit.c_str(), system.inputs[i].unit.c_str());
     }
   if (printed == 0) std::fprintf(out, "  none is distinct from 0\n");
+  if (endless > 0)
+    std::fprintf(out, "  %s without end, since an input moves the output by a free motion\n", count(endless, "gain").c_str());
   if (left > 0) std::fprintf(out, "  %s: --json\n", count(left, "further gain").c_str());
 }
 

@@ -12,7 +12,7 @@
 #include "tests/hil/session/session_support.h"
 #include "tests/support/malloc_guard.h"
 
-namespace unlatch::test {
+namespace unlatch::test::clean_test {
 namespace {
 
 using hil::Pace;
@@ -147,4 +147,4 @@ TEST(CyclicThreadDeathTest, TheSanitizerFindsABait) { EXPECT_DEATH(allocate_in_t
 #endif
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::clean_test

@@ -8,7 +8,7 @@
 #include "hil/session/faults/fault_injector.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::fresh_boot_test {
 namespace {
 
 using hil::OverrunCause;
@@ -110,4 +110,4 @@ TEST_P(FreshBoot, ADroppedStateIsSentAgain) {
 INSTANTIATE_TEST_SUITE_P(Readings, FreshBoot, testing::Values(-3'600'000 * kMs, -20 * kMs, -1, 0, 1, 20 * kMs));
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::fresh_boot_test

@@ -14,7 +14,7 @@
 #include "hil/session/realtime/clock.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::overrun_test {
 namespace {
 
 using hil::Overrun;
@@ -260,4 +260,4 @@ TEST(Timing, CommandsAndAnswersAreTimed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::overrun_test

@@ -12,7 +12,7 @@
 #include "hil/session/realtime/watchdog.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::preflight_test {
 namespace {
 
 using Verdict = hil::PreflightCheck::Verdict;
@@ -293,4 +293,4 @@ TEST(Watchdog, SeesACyclicThreadThatIsStuckAndWhere) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::preflight_test

@@ -5,7 +5,7 @@
 #include "hil/run/simulation/model_messages.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::rates_test {
 namespace {
 
 using hil::Pace;
@@ -103,4 +103,4 @@ TEST(Rates, MistakesHaveTheirPlaceAndRemedy) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::rates_test

@@ -9,7 +9,7 @@
 #include "hil/session/realtime/clock.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::tick_source_test {
 namespace {
 
 using hil::DescriptorTicks;
@@ -196,4 +196,4 @@ TEST(Realtime, ATickSourceThatFailsEndsTheRunAndIsNamed) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::tick_source_test

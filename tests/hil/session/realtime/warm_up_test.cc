@@ -4,7 +4,7 @@
 #include "hil/session/realtime/clock.h"
 #include "tests/hil/session/session_support.h"
 
-namespace unlatch::test {
+namespace unlatch::test::warm_up_test {
 namespace {
 
 using hil::Pace;
@@ -119,4 +119,4 @@ TEST(WarmUp, ThatMakesATickLateIsNamedAsTheCause) {
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::warm_up_test
