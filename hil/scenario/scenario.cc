@@ -33,6 +33,7 @@ Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::st
   scenario.overrides = std::move(overrides);
   KnownStructures own;
   ScenarioReader reader(scenario, sources, mistakes, structures != nullptr ? *structures : own, like);
+  for (const YamlError& unread : list_unread(root)) mistakes.add(unread.mark, unread.what(), unread.mend);
   reader.read(root);
   if (record != nullptr) *record = reader.take_record();
   mistakes.throw_if_any();

@@ -56,7 +56,10 @@ std::vector<int> leave_out_ground(std::initializer_list<int> bodies) {
 std::vector<Subjects> list_element_subjects(const Model& model) {
   std::vector<Subjects> list;
   for_each_kind([&](auto kind) {
-    for (auto item : kind.of(model)) kind.shift(item, SubjectLister(model, list.emplace_back()));
+    for (auto item : kind.of(model)) {
+      kind.shift(item, SubjectLister(model, list.emplace_back()));
+      list.back().reads_speed = kind.reads_speed(item);
+    }
   });
   return list;
 }

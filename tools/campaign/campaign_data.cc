@@ -115,6 +115,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"scenario_text", scenario.text},
                    {"overrides", scenario.overrides},
                    {"set", set},
+                   {"remarks", campaign.remarks},
                    {"inputs", Json::array()},
                    {"parameters", Json::array()},
                    {"columns", Json::array()},

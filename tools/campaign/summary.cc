@@ -29,6 +29,7 @@ Json build_summary(const CampaignData& all) {
                   {"hash", to_hex(data.table->hash())},
                   {"confidence", hil::kConfidence},
                   {"statuses", statuses},
+                  {"remarks", data.manifest.value("remarks", Json::array())},
                   {"requirements", Json::array()},
                   {"worst", list_worst(all)}};
   if (data.manifest.contains("step")) summary["step"] = describe_steps(all);

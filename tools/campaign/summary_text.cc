@@ -185,6 +185,8 @@ void print_summary(std::FILE* to, const Json& summary) {
                summary.at("hash").get<std::string>().c_str());
   for (const auto& [name, count] : summary.at("statuses").items())
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  for (const Json& remark : summary.at("remarks"))
+    std::fprintf(to, "  %s\n", paint(to, Colour::kYellow, "note: " + remark.get<std::string>()).c_str());
   if (summary.contains("step")) print_step(to, summary.at("step"));
   const Json& unresolved = summary.at("unresolved");
   if (!unresolved.empty()) {

@@ -117,6 +117,15 @@ void put_head(const std::vector<Column>& columns, const hil::LogHeader& header, 
   std::fwrite(line.data(), 1, line.size(), file);
 }
 
+// A table of commas has no place for it.
+void put_end(const ExportEnd&, std::FILE*, const CsvLine&) {}
+
+void put_end(const ExportEnd& end, std::FILE* file, const JsonLine&) {
+  const Json json = {{"status", end.status}, {"message", end.message}, {"hash", end.hash}};
+  const std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::fwrite(line.data(), 1, line.size(), file);
+}
+
 template <class Line>
 class TableSink final : public Sink {
  public:
@@ -130,7 +139,7 @@ class TableSink final : public Sink {
     table_->write(selection, line);
     line.put(file_);
   }
-  void end(const ExportEnd&) override {}
+  void end(const ExportEnd& end) override { put_end(end, file_, Line()); }
 
  private:
   std::FILE* file_;

@@ -5,6 +5,7 @@
 
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 namespace {
@@ -29,6 +30,15 @@ bool is_of_motion(const Requirement& r) {
   using Value = Requirement::ContactValue;
   const auto value = static_cast<Value>(r.axis);
   return r.quantity == Measure::kContact && (value == Value::kForce || value == Value::kDepth);
+}
+
+// The size of a vector, known at knots alone: near its zeros it has a corner, and its square has none.
+bool is_size(const Model& model, const Requirement& r) {
+  if (r.quantity == Measure::kReaction || r.quantity == Measure::kSensor) return r.axis < 0;
+  if (r.quantity != Measure::kQuantity) return false;
+  const unlatch::Quantity& quantity = model.quantities[at(r.a)];
+  return get_traits(quantity.kind).values == QuantityValues::kVector && quantity.part == unlatch::Quantity::kSize &&
+         quantity.direction.isZero();
 }
 
 // Returns the component of a vector along a direction, or its size if the direction is zero.
@@ -136,7 +146,10 @@ double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) c
 double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
   const Requirement& r = *track.requirement;
   if (r.received) return track.last;
-  if (is_sampled(r)) return track.curve.calc(time);
+  if (is_sampled(r)) {
+    const double value = track.curve.calc(time);
+    return is_size(scenario_.model, r) ? std::sqrt(std::max(value, 0.0)) : value;
+  }
   if (is_of_motion(r)) {
     const ContactReading reading = contacts_.calc(window, r.a, time);
     return static_cast<Requirement::ContactValue>(r.axis) == Requirement::ContactValue::kForce ? reading.normal
@@ -213,11 +226,12 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
-    if (is_sampled(r) && begins) track.curve.add(from.time, start, true);
+    const auto to_curve = [&](double value) { return is_size(scenario_.model, r) ? value * value : value; };
+    if (is_sampled(r) && begins) track.curve.add(from.time, to_curve(start), true);
     track.last = start;
     track.has_last = true;
     const double end = calc_at(track, to);
-    if (is_sampled(r)) track.curve.add(to.time, end, false);
+    if (is_sampled(r)) track.curve.add(to.time, to_curve(end), false);
     if (track.phase == Phase::kOpen && takes_low(r.take))
       track.low.add(from.time, start, to.time, end, begins,
                     [&](double time) { return calc_within(track, window, time); });

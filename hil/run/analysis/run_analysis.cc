@@ -17,7 +17,8 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       requirements_(scenario, clearance_, contacts_),
       separations_(scenario, request.pushes),
       accuracy_(scenario, simulation, request.accuracy),
-      unseen_clearances_(scenario) {
+      unseen_clearances_(scenario),
+      unseen_crossings_(scenario.model) {
   simulation.keep_motion();
 }
 
@@ -81,6 +82,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       separations_.add_piece(window_, from, to);
       for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
+      for (const UnseenCrossing& unseen : unseen_crossings_.find(window_, from, to)) accuracy_.report_unseen(unseen);
       continue;
     }
     contacts_.add_events(from, to);

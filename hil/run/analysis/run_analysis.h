@@ -13,6 +13,7 @@
 #include "hil/run/analysis/peak_reactions.h"
 #include "hil/run/analysis/requirements.h"
 #include "hil/run/analysis/separations.h"
+#include "hil/run/audit/unseen_crossings.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/motion_window.h"
@@ -100,6 +101,7 @@ class RunAnalysis {
   SeparationMonitor separations_;
   NoticeWatch accuracy_;
   UnseenClearances unseen_clearances_;
+  UnseenCrossings unseen_crossings_;
 };
 
 // Returns the tick nearest to a time.

@@ -119,42 +119,6 @@ bool reads_command(const Model& model, const Condition& condition) {
   return std::ranges::any_of(condition.parts, [&](const Condition& part) { return reads_command(model, part); });
 }
 
-// Whatever the events of its interval are.
-std::vector<int> list_own_bodies(const Model& model, const Requirement& requirement) {
-  using Measure = Requirement::Measure;
-  switch (requirement.quantity) {
-    case Measure::kClearance:
-    case Measure::kRate:
-    case Measure::kVelocity:
-    case Measure::kPosition:
-    case Measure::kAxes:
-      return list_pair(model, requirement.a, requirement.b);
-    case Measure::kReaction:
-    case Measure::kDisplacement:
-    case Measure::kAngle:
-    case Measure::kSpeed:
-      return list_joint_bodies(model, requirement.a);
-    case Measure::kContact:
-      return list_contact_bodies(model, requirement.a);
-    default:
-      return list_all_bodies(model);
-  }
-}
-
-// Bodies that move these, each once, in order.
-std::vector<int> list_carriers(const Model& model, const std::vector<int>& bodies) {
-  std::set<int> carriers;
-  for (const int body : bodies) carriers.insert(find_carrier(model, body));
-  return {carriers.begin(), carriers.end()};
-}
-
-// Calls `use` with each quantity that a condition compares.
-template <class Use>
-void for_each_quantity(const Model& model, const Condition& condition, const Use& use) {
-  for (const Condition& part : condition.parts) for_each_quantity(model, part, use);
-  if (condition.parts.empty()) use(get_quantity(model, condition));
-}
-
 }  // namespace
 
 int find_carrier(const Model& model, int body) {
@@ -221,46 +185,25 @@ std::vector<int> list_commanded_bodies(const Model& model) {
   return list.get();
 }
 
-bool reads_speed(const Model& model, const std::vector<int>& bodies, int element) {
-  const std::vector<int> own = list_carriers(model, bodies);
-  bool found = false;
-  const auto look = [&](const unlatch::Quantity& quantity) {
-    const QuantityTraits& traits = get_traits(quantity.kind);
-    const bool is_own_force =
-        traits.motion == QuantityMotion::kForces && traits.of == SubjectOf::kElement && quantity.subject == element;
-    const bool reads =
-        traits.motion == QuantityMotion::kSpeeds || (traits.motion == QuantityMotion::kForces && !is_own_force);
-    found = found || traits.motion == QuantityMotion::kOfAll ||
-            (reads && std::ranges::includes(list_carriers(model, list_own_bodies(model, quantity)), own));
-  };
-  for (const unlatch::Quantity& quantity : model.quantities) look(quantity);
-  for (const Sensor& sensor : model.sensors) look(get_quantity(model, sensor));
-  for (const unlatch::Event& event : model.events) for_each_quantity(model, event.when, look);
-  return found;
-}
-
-bool reads_speed(const Model& model, const Requirement& requirement, const std::vector<int>& bodies) {
+std::vector<int> list_own_bodies(const Model& model, const Requirement& requirement) {
   using Measure = Requirement::Measure;
   switch (requirement.quantity) {
     case Measure::kClearance:
+    case Measure::kRate:
+    case Measure::kVelocity:
     case Measure::kPosition:
+    case Measure::kAxes:
+      return list_pair(model, requirement.a, requirement.b);
+    case Measure::kReaction:
     case Measure::kDisplacement:
     case Measure::kAngle:
-    case Measure::kAxes:
-      return false;
-    case Measure::kTime:  // guards, sensors and quantities make the bodies unresolved
-    case Measure::kOrder:
-    case Measure::kSensor:
-    case Measure::kQuantity:
-      return false;
     case Measure::kSpeed:
-    case Measure::kReaction:
-    case Measure::kVelocity:
-    case Measure::kRate:
+      return list_joint_bodies(model, requirement.a);
     case Measure::kContact:
-      break;
+      return list_contact_bodies(model, requirement.a);
+    default:
+      return list_all_bodies(model);
   }
-  return std::ranges::includes(list_carriers(model, list_own_bodies(model, requirement)), list_carriers(model, bodies));
 }
 
 std::vector<int> list_bodies(const Model& model, const Requirement& requirement) {

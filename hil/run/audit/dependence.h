@@ -25,11 +25,8 @@ std::vector<int> list_driven_bodies(const Model& model, const unlatch::Event& ev
 // Bodies that sensors measure; those that commands drive, at once or by events.
 std::vector<int> list_sensed_bodies(const Model& model);
 std::vector<int> list_commanded_bodies(const Model& model);
-// True if a quantity, a guard or a sensor reads the speed at which these bodies move beside one another, or how one
-// deforms, or forces in which it is; but for those of `element` itself.
-bool reads_speed(const Model& model, const std::vector<int>& bodies, int element);
-// The same of a requirement, but for the sensor or quantity that it names.
-bool reads_speed(const Model& model, const Requirement& requirement, const std::vector<int>& bodies);
+// Bodies that a requirement is about, whatever decides the interval in which it holds.
+std::vector<int> list_own_bodies(const Model& model, const Requirement& requirement);
 // Bodies on which a requirement's value depends.
 std::vector<int> list_bodies(const Model& model, const Requirement& requirement);
 

@@ -27,8 +27,8 @@ void UnresolvedBodies::add_passed(int body, const std::string& cause, double fro
     if (times[b] <= until) passed_.push_back({static_cast<int>(b), times[b], until, cause});
 }
 
-void UnresolvedBodies::add_speed(std::span<const int> bodies, const std::string& cause, double from, double until) {
-  speeds_.push_back({{bodies.begin(), bodies.end()}, from, until, cause});
+void UnresolvedBodies::add_speed(const SpeedReaders& readers, const std::string& cause, double from, double until) {
+  speeds_.push_back({readers, from, until, cause});
 }
 
 void UnresolvedBodies::spread(const BodyLinks& links) {
@@ -43,8 +43,7 @@ void UnresolvedBodies::spread(const BodyLinks& links) {
 
 std::string UnresolvedBodies::find_cause(const Requirement& requirement, double until, double time) const {
   for (const Speed& speed : speeds_)
-    if (reads_speed(model_, requirement, speed.bodies) && speed.from <= until && time <= speed.until)
-      return speed.cause;
+    if (speed.readers.is_read_by(requirement) && speed.from <= until && time <= speed.until) return speed.cause;
   if (first_ == kNever && passed_.empty()) return "";
   const Entry* first = nullptr;
   const std::vector<int> bodies = list_bodies(model_, requirement);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/run/audit/body_links.h"
+#include "hil/run/audit/speed_readers.h"
 #include "hil/scenario/requirements.h"
 #include "unlatch/model.h"
 
@@ -22,9 +23,8 @@ class UnresolvedBodies {
   void add(std::span<const int> bodies, const std::string& cause, double time);
   // Adds a cause that this body had from one time until another, s, and has no more: values of that while depend on it.
   void add_passed(int body, const std::string& cause, double from, double until, const BodyLinks& links);
-  // Adds a cause that the velocities of these bodies relative to each other had, or how fast one deforms, but nothing
-  // else: between two times, s. For requirements on these.
-  void add_speed(std::span<const int> bodies, const std::string& cause, double from, double until);
+  // Adds a cause that a speed alone had, and nothing else: between two times, s. For requirements that read it.
+  void add_speed(const SpeedReaders& readers, const std::string& cause, double from, double until);
   // Spreads causes through the links of the whole run so far.
   void spread(const BodyLinks& links);
 
@@ -45,7 +45,7 @@ class UnresolvedBodies {
   };
 
   struct Speed {
-    std::vector<int> bodies;
+    SpeedReaders readers;
     double from = 0, until = 0;  // s
     std::string cause;
   };

@@ -153,9 +153,13 @@ void ImplicitAudit::compare(const Plan& halved, const State& state, const Worksp
     const ElementReading half = calc_element(halved, workspace, spring.element);
     const double force = std::abs(full.force - half.force), rate = std::abs(full.rate - half.rate);
     const double dt = simulation_.plan().get_options().dt;
-    const double memory = calc_memory(dt * spring.omega, dt * spring.decay);
-    spring.forces.add(force, memory, between);
-    spring.speeds.add(rate, memory, between);
+    if (spring.omega == 0 && spring.decay == 0) {  // held by its joint, it has no swing any more
+      spring.forces.error = spring.speeds.error = 0;
+    } else {
+      const double memory = calc_memory(dt * spring.omega, dt * spring.decay);
+      spring.forces.add(force, memory, between);
+      spring.speeds.add(rate, memory, between);
+    }
     judge(spring.forces, std::max(spring.forces.error, spring.jump), between + 1);
     judge(spring.speeds, spring.speeds.error, between + 1);
   }
@@ -211,13 +215,17 @@ void ImplicitAudit::list(const Sum& sum, double error, ImplicitError own, bool p
 }
 
 std::vector<ImplicitError> ImplicitAudit::list(bool passed) const {
+  // The error of the force lasts as long as that of the speed, which then says no more.
+  const auto covers = [](const ImplicitError& force, const Sum& speed, bool is_passed) {
+    return is_passed ? force.from <= speed.passed_from && force.until >= speed.passed_until : force.from <= speed.from;
+  };
   std::vector<ImplicitError> all;
   for (const Spring& spring : springs_) {
     const ImplicitError own{.element = spring.element, .size = spring.size};
     list(spring.forces, std::max(spring.forces.error, spring.jump), own, passed, all);
     ImplicitError speed = own;
     speed.of_speed = true;
-    if (all.empty() || all.back().element != spring.element)
+    if (all.empty() || all.back().element != spring.element || !covers(all.back(), spring.speeds, passed))
       list(spring.speeds, spring.speeds.error, speed, passed, all);
   }
   for (const Modes& modes : modes_) {
@@ -225,7 +233,8 @@ std::vector<ImplicitError> ImplicitAudit::list(bool passed) const {
     list(modes.forces, std::max(modes.forces.error, modes.jump), own, passed, all);
     ImplicitError speed = own;
     speed.of_speed = true;
-    if (all.empty() || all.back().body != modes.body) list(modes.speeds, modes.speeds.error, speed, passed, all);
+    if (all.empty() || all.back().body != modes.body || !covers(all.back(), modes.speeds, passed))
+      list(modes.speeds, modes.speeds.error, speed, passed, all);
   }
   return all;
 }

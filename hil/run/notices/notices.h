@@ -42,6 +42,7 @@
 #include "hil/run/audit/contact_jumps.h"
 #include "hil/run/audit/energy_audit.h"
 #include "hil/run/audit/unresolved_bodies.h"
+#include "hil/run/audit/unseen_crossings.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
 #include "hil/run/notices/implicit_audit.h"
@@ -73,6 +74,8 @@ class NoticeWatch {
 
   // The distance that an event waits for was below its threshold within a step.
   void report_unseen(const UnseenClearance& unseen);
+  // The condition of an event held for a part of a step alone.
+  void report_unseen(const UnseenCrossing& unseen);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
   // Notices so far. Those of the audit of the step are about the whole run so far, and come last.
   [[nodiscard]] std::vector<RunNotice> get() const;

@@ -4,6 +4,7 @@
 #include "hil/run/audit/dependence.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
+#include "hil/run/notices/resolution.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/model/law_places.h"
 
@@ -83,6 +84,21 @@ void NoticeWatch::report_unseen(const UnseenClearance& unseen) {
             "its distance fell to %.6g m within a step, at %.6f s, and rose again: it did not act, because no "
             "tick shows it; a smaller step would do",
             unseen.value, unseen.time);
+      },
+      list_all_bodies(scenario_.model));
+}
+
+void NoticeWatch::report_unseen(const UnseenCrossing& unseen) {
+  const std::size_t event = at(unseen.event);
+  passed_.resize(scenario_.model.events.size());
+  const double length = unseen.until - unseen.from;
+  report(
+      passed_[event], "search", get_guard_name(scenario_.model, unseen.event), 1 / length,
+      [&] {
+        return format(
+            "its condition became true within a step, at %.6f s, and false again %.3g s later: it did not act, because "
+            "no tick shows it; a step of %.3g s would do",
+            unseen.from, length, kRoundedDown * length);
       },
       list_all_bodies(scenario_.model));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hil/run/audit/dependence.h"
+#include "hil/run/audit/speed_readers.h"
 #include "hil/run/audit/step_audit.h"
 #include "hil/run/motion/law_watch.h"
 #include "hil/run/notices/format.h"
@@ -75,7 +76,7 @@ std::vector<int> NoticeWatch::list_bodies(const ImplicitError& error) const {
 
 // Something but a requirement on the joint reads the speed that is wrong.
 bool NoticeWatch::is_read(const ImplicitError& error) const {
-  return !error.of_speed || reads_speed(scenario_.model, list_bodies(error), error.element);
+  return !error.of_speed || SpeedReaders(scenario_.model, error.element, error.body).is_read(simulation_.state());
 }
 
 void NoticeWatch::add_unresolved(const ImplicitError& error, UnresolvedBodies& unresolved) const {
@@ -83,7 +84,9 @@ void NoticeWatch::add_unresolved(const ImplicitError& error, UnresolvedBodies& u
   const std::string cause = "overshoot " + get_subject(error) + (passed ? format(", until %.6g s", error.until) : "") +
                             ": " + describe(error);
   const std::vector<int> bodies = list_bodies(error);
-  if (!is_read(error)) return unresolved.add_speed(bodies, cause, error.from, error.until);
+  if (!is_read(error))
+    return unresolved.add_speed(SpeedReaders(scenario_.model, error.element, error.body), cause, error.from,
+                                error.until);
   if (!passed) return unresolved.add(bodies, cause, error.from);
   for (const int body : bodies) unresolved.add_passed(body, cause, error.from, error.until, links_);
 }
@@ -96,8 +99,14 @@ std::vector<RunNotice> NoticeWatch::get() const {
       const Law& law = scenario_.model.laws[at(passed.law)];
       notices.push_back({time, "law", law.name, hil::describe(law, passed), time, true});
     }
-  for (const ImplicitError& error : implicit_.list_unresolved())
-    notices.push_back({error.time, "overshoot", get_subject(error), describe(error), error.time, is_read(error)});
+  const ImplicitError* before = nullptr;
+  const std::vector<ImplicitError> unresolved = implicit_.list_unresolved();
+  for (const ImplicitError& error : unresolved) {
+    // One notice of a subject: that of its force, if it has both.
+    if (before == nullptr || before->element != error.element || before->body != error.body)
+      notices.push_back({error.time, "overshoot", get_subject(error), describe(error), error.time, is_read(error)});
+    before = &error;
+  }
   for (const StepError& error : steps_->list_unresolved())
     notices.push_back(
         {error.time, "step", scenario_.model.bodies[at(error.body)].name, describe(error), error.time, true});

@@ -1,5 +1,7 @@
 #include "hil/scenario/yaml/yaml_override.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <optional>
 
@@ -113,7 +115,43 @@ void keep_unit(const std::string& name, const YamlNode& root, YamlNode& value) {
   }
 }
 
+bool is_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+bool contains(const std::string& text, const std::string& name) {
+  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !is_of_name(text[at - 1])) && (end == text.size() || !is_of_name(text[end]))) return true;
+  }
+  return false;
+}
+
+// True if a text names it, but for those within `except`.
+bool names(const YamlNode& node, const std::string& name, const YamlNode& except) {
+  if (&node == &except) return false;
+  if (node.is_scalar()) return contains(node.text, name);
+  return std::ranges::any_of(node.items, [&](const YamlNode& item) { return names(item, name, except); });
+}
+
 }  // namespace
+
+std::vector<YamlError> list_unread(const YamlNode& root) {
+  std::vector<YamlError> unread;
+  for (const auto& [section, noun] : {std::pair{"constants", "constant"}, std::pair{"channels", "channel"}}) {
+    const YamlNode* const own = root.is_mapping() ? root.find(section) : nullptr;
+    if (own == nullptr || !own->is_mapping()) continue;
+    std::vector<std::string> known;
+    for (const YamlKey& key : own->keys)
+      if (key.mark.override_index < 0) known.push_back(key.text);
+    for (std::size_t i = 0; i < own->keys.size(); ++i) {
+      const YamlKey& key = own->keys[i];
+      if (key.mark.override_index >= 0 && !names(root, key.text, own->items[i]))
+        unread.emplace_back(key.mark,
+                            "the scenario has no " + std::string(noun) + " '" + key.text + "', nor does it read one",
+                            suggest(key.text, known));
+    }
+  }
+  return unread;
+}
 
 std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
   std::vector<std::string> parts;

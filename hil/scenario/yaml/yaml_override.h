@@ -23,6 +23,10 @@ void apply_override(const std::string& text, int override_index, YamlNode& root)
 // Does the same for a path and a value in a file. Throws YamlError at `mark`.
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
 
+// Constants and channels that overrides have added, and that no text of the tree names: misspelt, or of no use. Each
+// with the place of its override.
+std::vector<YamlError> list_unread(const YamlNode& root);
+
 // Node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
 const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);
 

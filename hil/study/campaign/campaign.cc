@@ -376,6 +376,17 @@ void CampaignReader::finish_plan(YamlMap& top) {
   }
 }
 
+namespace {
+
+// Columns of a table that no parameter reads: a parameter may have been forgotten.
+std::string describe_unread(const std::vector<std::string>& columns) {
+  std::string text = "the table has " + hil::count(columns.size(), "column") + " that no parameter reads:";
+  for (std::size_t i = 0; i < columns.size(); ++i) text += (i == 0 ? " '" : ", '") + columns[i] + "'";
+  return text;
+}
+
+}  // namespace
+
 void CampaignReader::read_table(YamlMap& top) {
   const bool from_table = campaign_.plan.sampling == Sampling::kCsv;
   const YamlNode* const node = from_table ? top.require("table") : top.find("table");
@@ -394,6 +405,10 @@ void CampaignReader::read_table(YamlMap& top) {
       factors.push_back(at == table.names.end() ? 1 : read_factor(table, places.back(), input.unit, node->mark));
     }
     if (places.end() != std::find(places.begin(), places.end(), table.names.size())) return;
+    std::vector<std::string> unread;
+    for (std::size_t i = 0; i < table.names.size(); ++i)
+      if (std::ranges::find(places, i) == places.end()) unread.push_back(table.names[i]);
+    if (!unread.empty()) campaign_.remarks.push_back(describe_unread(unread));
     for (const std::vector<double>& row : table.rows) {
       std::vector<double>& inputs = campaign_.table.emplace_back();
       for (std::size_t i = 0; i < places.size(); ++i) inputs.push_back(row[places[i]] * factors[i]);

@@ -36,6 +36,7 @@ struct AerodynamicsKind {
     by.shift_body(a.body);
     for (AeroTerm& term : a.terms) by.shift_law(term.law);
   }
+  static bool reads_speed(const Aerodynamics&) { return true; }
   static ElementTraits describe(const Model&, const Aerodynamics& a) {
     return {.kind = "aerodynamics", .follower = a.body, .has_coordinate = false};
   }

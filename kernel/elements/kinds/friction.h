@@ -35,6 +35,7 @@ struct FrictionKind {
     add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on);
   }
   static void shift(JointFriction& f, const auto& by) { by.shift_joint(f.joint); }
+  static bool reads_speed(const JointFriction& f) { return f.coefficient != 0; }
   static ElementTraits describe(const Model& model, const JointFriction& f) {
     ElementTraits traits = describe_in_joint("joint_friction", model, f.joint, f.axis);
     traits.note = "friction";

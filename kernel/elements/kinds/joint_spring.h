@@ -19,6 +19,7 @@ struct JointSpringKind {
     if (s.implicit) add(*s.implicit);
   }
   static void shift(JointSpring& s, const auto& by) { by.shift_joint(s.joint); }
+  static bool reads_speed(const JointSpring& s) { return s.damping != 0; }
   static ElementTraits describe(const Model& model, const JointSpring& s) {
     return describe_in_joint("joint_spring", model, s.joint, s.axis);
   }

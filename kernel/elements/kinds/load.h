@@ -33,6 +33,7 @@ struct LoadKind {
     by.shift_channel(l.channel);
     by.shift_law(l.profile.law);
   }
+  static bool reads_speed(const Load&) { return false; }
   static ElementTraits describe(const Model&, const Load& l) {
     return {.kind = l.kind == Load::Kind::kTorque ? "torque" : "force",
             .follower = l.body,

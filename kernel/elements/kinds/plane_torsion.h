@@ -18,6 +18,7 @@ struct PlaneTorsionKind {
     add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);
   }
   static void shift(PlaneTorsion& s, const auto& by) { by.shift_bodies(s.base, s.follower); }
+  static bool reads_speed(const PlaneTorsion& s) { return s.damping != 0; }
   static ElementTraits describe(const Model&, const PlaneTorsion& s) {
     return {.kind = "plane_torsion", .base = s.base, .follower = s.follower, .note = "torsion", .angular = true};
   }

@@ -17,6 +17,7 @@ struct PointSpringKind {
     add(s.base, s.follower, s.point_base, s.point_follower, s.stiffness, s.damping, s.free_length, s.push_only, s.on);
   }
   static void shift(PointSpring& s, const auto& by) { by.shift_bodies(s.base, s.follower); }
+  static bool reads_speed(const PointSpring& s) { return s.damping != 0; }
   static ElementTraits describe(const Model&, const PointSpring& s) {
     return {.kind = "spring",
             .base = s.base,

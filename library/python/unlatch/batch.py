@@ -28,7 +28,8 @@ class Batch:
             batch.run()
             print(batch.margins["distance1"])
 
-    Results are views by sample; adding samples while views are held raises BufferError."""
+    With `judge` requirements are judged, and samples that the step does not resolve are found. Results are views by sample;
+    adding samples while views are held raises BufferError."""
 
     def __init__(self, path: Path, overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False) -> None:
         self._native = _native.Batch(os.fspath(path), _write_overrides(overrides), judge)
@@ -51,7 +52,8 @@ class Batch:
 
     def run(self, until: float = 0, threads: int = 0) -> None:
         """Runs all samples that have not been run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
-        After Ctrl-C another call continues. A SampleWarning names the samples without results: faulted, invalid or unresolved."""
+        After Ctrl-C another call continues. A SampleWarning names the samples without results: faulted, invalid or unresolved.
+        Without `judge` nothing looks at what the step resolves, and no sample is unresolved."""
         until, threads = float(until), operator.index(threads)
         failure: List[BaseException] = []
         done = threading.Event()
@@ -88,7 +90,7 @@ class Batch:
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
-        """Samples that ran to their end and were resolved by the step; shape (samples,)."""
+        """Samples that ran to their end and, with `judge`, were resolved by the step; shape (samples,)."""
         return np.asarray(self._native.get_array(_STATUS) == 0)
 
     @property

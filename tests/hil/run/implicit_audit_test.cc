@@ -232,5 +232,67 @@ TEST(ImplicitAudit, WhatReadsTheSpeedInOtherWordsDependsOnIt) {
   }
 }
 
+// Elements whose force the speed decides, beside the spring or between bodies on its two sides, and a joint that locks.
+TEST(ImplicitAudit, WhatActsByTheSpeedDependsOnIt) {
+  const std::string rider = "  rider: {mass: 1, inertia: [1, 1, 1], position: [0, 1, 0]}\n";
+  const std::string weld = "  seat: {between: [hub, rider], point: [0, 1, 0], modes: {held: {kind: weld}}}\n";
+  const auto build = [&](const std::string& element, const std::string& more = "") {
+    std::string text = push_panel(kSmooth, "10 ms", element.empty() ? "" : "}\n  reader: {" + element, more);
+    for (const auto& [key, value] : {std::pair{"bodies:\n", rider}, std::pair{"joints:\n", weld}})
+      text.insert(text.find(key) + std::string(key).size(), value);
+    return text;
+  };
+  const std::string balls[] = {"panel: {", "shape: [{name: ball, sphere: {centre: [0, 0, 0], radius: 0.1}}], ",
+                               "rider: {", "shape: [{name: ball, sphere: {centre: [0, 0, 0], radius: 0.1}}], "};
+  const auto build_contact = [&](const std::string& law) {
+    std::string text = build("", "contacts: {bump: {between: [panel, rider], stiffness: 1 kN/m" + law + "}}\n");
+    for (int i = 0; i < 4; i += 2) text.insert(text.find(balls[i]) + balls[i].size(), balls[i + 1]);
+    return text;
+  };
+  // A second rail beside the first one, between bodies that it joins already.
+  const auto build_lock = [&](const std::string& time) {
+    std::string text = build(
+        "", "events: [{name: grip, when: {time: " + time + "}, then: [{set_mode: {joint: grip, mode: slides}}]}]\n");
+    const std::string grip =
+        "  grip: {between: [rider, panel], point: [1, 0, 0], follower_point: [0, 0, 0], mode: free,\n"
+        "         modes: {free: {kind: free}, slides: {kind: prismatic, axis: x}}}\n";
+    return text.insert(text.find("joints:\n") + std::string("joints:\n").size(), grip);
+  };
+  const std::string readers[] = {
+      build("type: joint_friction, joint: rail, axis: x, coefficient: 0.1, speed: 10 m/s"),
+      build("type: joint_spring, joint: rail, axis: x, damping: 1 N s/m"),
+      build("type: spring, between: [rider, panel], stiffness: 1 N/m, damping: 0.1 N s/m"),
+      build_contact(", friction: 0.1"),
+      build_contact(", damping: 0.1 s/m"),
+      build_lock("0.5 s"),
+      build("", "quantities: {pace: {velocity: {body: panel, relative_to: rider}}}\n"),
+  };
+  for (const std::string& reader : readers) EXPECT_TRUE(is_unresolved(AnalysedRun(reader), "deflection")) << reader;
+  const std::string others[] = {
+      build(""),
+      build("type: joint_friction, joint: rail, axis: x, coefficient: 0"),
+      build("type: spring, between: [rider, panel], stiffness: 1 N/m"),
+      build("type: spring, between: [hub, rider], stiffness: 1 N/m, damping: 0.1 N s/m"),
+      build_contact(""),
+      build_lock("2 s"),
+      build("", "quantities: {pace: {velocity: {body: rider, relative_to: hub}}}\n"),
+  };
+  for (const std::string& other : others) {
+    const AnalysedRun run(other);
+    EXPECT_FALSE(is_unresolved(run, "deflection")) << other << run.judge("deflection").unresolved;
+    EXPECT_TRUE(is_unresolved(run, "speed"));
+  }
+}
+
+// The joint holds from 0.5 s on, and the spring has no motion any more; the speed of before was wrong.
+TEST(ImplicitAudit, ALockHidesNoErrorOfTheSpeedBeforeIt) {
+  const AnalysedRun run(push_panel(kSmooth, "10 ms", "",
+                                   "events: [{name: hold, when: {time: 0.5 s}, then: [{set_mode: {joint: rail, mode: "
+                                   "held}}]}]\n"));
+  EXPECT_GT(run.judge("speed").value, 3 * 1.5e-4);
+  EXPECT_LE(run.judge("speed").time, 0.5);
+  EXPECT_TRUE(is_unresolved(run, "speed"));
+}
+
 }  // namespace
 }  // namespace unlatch::test::implicit_audit_test

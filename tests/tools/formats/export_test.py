@@ -28,10 +28,10 @@ class ExportTest(ProcessTest):
         self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out, *options, code=code)
         return out
 
-    def read_with_node(self, path):
+    def read_with_node(self, path, *names):
         if NODE is None or not MODULES.exists():
             self.skipTest("Node.js, or what the build installs with it, is missing")
-        return json.loads(self.run_ok(NODE, READER, MODULES, path).stdout)
+        return json.loads(self.run_ok(NODE, READER, MODULES, path, *names).stdout)
 
     def test_csv_is_a_table_with_units(self):
         text = self.export("csv").read_bytes()
@@ -231,6 +231,61 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.run_ok(UNLATCH, "report", self.log, "--out", page)
         for name in ("fault.stick", "fault.bias.end", "fault.message.drop", "participant.joined"):
             self.assertIn(name, page.read_text())
+
+    # A gyro three samples late and biased for a while, an accelerometer that loses samples and has one value stuck.
+    def test_other_readers_see_true_and_received_values_side_by_side(self):
+        script = self.folder / "faults.yaml"
+        script.write_text("unlatch_faults: 1\nfaults:\n  - stick: accelerometer.x\n  - {bias: {sensor: gyro, by: 0.5}, ticks: [100, 200]}\n")
+        self.run_json(UNLATCH, "hil", SCENARIOS / "boosters/scenario.yaml", "--transport", "inproc", "--pace", "lockstep", "--faults", script,
+                      "--until", "0.8", "--log", self.log, "--set", "flight_software.timeout=30",
+                      "--set", "sensors.gyro.errors={delay: 3}", "--set", "sensors.accelerometer.errors={dropout: 0.3}", code=None)
+        names = {kind: {"gyro": [f"{kind}.gyro.{axis} [rad/s]" for axis in "xyz"],
+                        "accelerometer": [f"{kind}.accelerometer.{axis} [m/s2]" for axis in "xyz"]} for kind in ("sensor", "received")}
+        columns = [name for kind in names.values() for sensor in kind.values() for name in sensor]
+        parquet = self.read_with_node(self.export("parquet"), *columns)["series"]
+        topics = {"sensor": "/sensors/", "received": "/received/"}
+        mcap = self.read_with_node(self.export("mcap"), *(topics[kind] + sensor for kind, sensors in names.items() for sensor in sensors))["series"]
+        tables = []
+        for kind, sensors in names.items():
+            for sensor, own in sensors.items():
+                rows = [list(row) for row in zip(*(parquet[name] for name in own))]
+                self.assertEqual(len(rows), TICKS + 1)
+                self.assertEqual(mcap[topics[kind] + sensor], rows)
+                tables.append(rows)
+        true_rate, true_force, rate, force = tables
+        for tick in range(3, TICKS + 1):
+            offset = 0.5 if 100 <= tick <= 200 else 0
+            self.assertEqual(rate[tick], [value + offset for value in true_rate[tick - 3]], tick)
+        self.assertNotEqual(true_rate[TICKS], true_rate[TICKS - 3])
+        self.assertEqual(len({row[0] for row in force}), 1)
+        lost = [tick for tick in range(1, TICKS + 1) if force[tick][1:] != true_force[tick][1:]]
+        self.assertTrue(150 < len(lost) < 330, len(lost))  # of 800 with a probability of 0.3
+        self.assertTrue(all(force[tick][1:] == force[tick - 1][1:] for tick in lost))
+
+    # A spring whose period the step does not resolve.
+    def test_what_is_made_of_an_unresolved_run_says_so(self):
+        scenario = self.folder / "stiff.yaml"
+        scenario.write_text("unlatch: 1\nname: stiff\nstep: {dt: 5 ms, until: 0.3}\nbodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n"
+                            "joints: {j: {between: [ground, a], modes: {slide: {kind: prismatic, axis: x}}}}\n"
+                            "elements: {s: {type: joint_spring, joint: j, axis: x, stiffness: 1e6, rest: 1 mm}}\n")
+        self.run_ok(UNLATCH, "run", scenario, "--log", self.log, code=1)
+        for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
+            out = self.folder / f"out.{form}"
+            told = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out).stderr
+            self.assertIn("unresolved", told, form)
+            self.assertIn("overshoot s: its period is not resolved", told, form)
+        end = json.loads((self.folder / "out.json").read_text().splitlines()[-1])
+        self.assertEqual((end["kind"], end["status"]), ("end", "unresolved"))
+        self.assertIn("overshoot s: its period is not resolved", end["message"])
+        page = self.folder / "page.html"
+        told = self.run_ok(UNLATCH, "report", self.log, "--out", page).stderr
+        self.assertIn("run.log: unresolved: ", told)
+        self.assertIn("overshoot s: its period is not resolved", told)
+        self.assertIn("unresolved", page.read_text())
+        self.assertEqual(self.read_with_node(self.folder / "out.mcap")["metadata"]["status"], "unresolved")
+        keys = self.read_with_node(self.folder / "out.parquet")["keys"]
+        self.assertEqual(keys["status"], "unresolved")
+        self.assertIn("overshoot s: its period is not resolved", keys["message"])
 
     def test_parquet_has_nothing_where_an_output_is_not_due(self):
         if NODE is None or not MODULES.exists():

@@ -214,6 +214,22 @@ class CampaignTest(ProcessTest):
         finally:
             browser.close()
 
+    def test_columns_of_a_table_that_no_parameter_reads_are_named(self):
+        (self.folder / "box.yaml").write_text("unlatch: 1\nname: box\nstep: {dt: 10 ms, until: 20 ms}\nconstants: {mass: 1 kg}\n"
+                                              "bodies: {box: {mass: mass, inertia: [1, 1, 1]}}\n")
+        file = self.folder / "box-campaign.yaml"
+        file.write_text("unlatch_campaign: 1\nname: box\nscenario: box.yaml\nsampling: csv\ntable: t.csv\nparameters: {load: {path: constants.mass}}\n")
+        remark = "the table has 2 columns that no parameter reads: 'stiffness', 'note'"
+        for heads, remarks in (("stiffness [N/m],load,note", [remark]), ("load", [])):
+            (self.folder / "t.csv").write_text(heads + "\n" + ",".join("1" for _ in heads.split(",")) + "\n")
+            self.assertEqual(self.run_json(UNLATCH, "check", file)["remarks"], remarks)
+            out = self.folder / f"out{len(remarks)}"
+            done = self.run_ok(UNLATCH, "campaign", file, "--out", out)
+            self.assertEqual(("note: " + remark) in done.stdout, bool(remarks), done.stdout)
+            self.assertEqual(json.loads((out / "summary.json").read_text())["remarks"], remarks)
+            merged = self.run_ok(UNLATCH, "campaign", "merge", out, "--out", self.folder / f"merged{len(remarks)}")
+            self.assertEqual(("note: " + remark) in merged.stdout, bool(remarks), merged.stdout)
+
     # Limits in deg/s and mm, an offset drawn in mm, a speed as a plain number: the tables for a review have these units.
     def test_a_review_has_the_units_of_the_files_and_inputs_have_the_units_of_their_places(self):
         (self.folder / "units.yaml").write_text("""unlatch: 1

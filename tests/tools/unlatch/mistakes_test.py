@@ -162,6 +162,21 @@ class MistakesTest(ProcessTest):
 
     # --- Scenarios ----------------------------------------------------------------------------------------------
 
+    # A misspelt constant changed nothing, and each sample of a campaign that drew it was the same.
+    def test_a_constant_or_a_channel_that_only_an_override_names_is_refused(self):
+        box = self.write("box.yaml", "unlatch: 1\nname: box\nstep: {dt: 10 ms, until: 20 ms}\nconstants: {load: 2 kg}\n"
+                                     "bodies: {box: {mass: load, inertia: [1, 1, 1]}}\n")
+        said = self.refuse("run", box, "--set", "constants.laod=3")
+        self.assertIn("box.yaml: --set constants.laod=3: the scenario has no constant 'laod', nor does it read one", said)
+        self.assertIn("did you mean 'load'?", said)
+        self.assertIn("has no channel 'throttle'", self.refuse("check", box, "--set", "channels.throttle.initial=0.5"))
+        self.run_ok(UNLATCH, "run", box, "--set", "constants.half=1 kg", "--set", "bodies.box.mass=2 * half")
+        self.run_ok(UNLATCH, "run", box, "--set", "channels.pull.range=[0, 2]", "--set",
+                    "elements.pull={type: force, body: box, direction: [1, 0, 0], profile: 1 N, channel: pull}")
+        campaign = self.write("c.yaml", "unlatch_campaign: 1\nname: c\nscenario: box.yaml\nsamples: 3\n"
+                                        "parameters: {load: {path: constants.laod, uniform: {min: 1 kg, max: 2 kg}}}\n")
+        self.assertIn("has no constant 'laod'", self.refuse("check", campaign))
+
     def test_a_mistake_that_an_override_makes_is_the_overrides(self):
         said = self.refuse("check", self.first, "--set", "constants.gap=-0.2 m", "--set", "step.until=4")
         self.assertIn("first.yaml: --set constants.gap=-0.2 m: element 'spring1': free_length is -0.4", said)

@@ -12,7 +12,7 @@ const TYPES = {
 };
 
 export async function writeParquet(lines, path) {
-  let writer, columns, rows = [];
+  let writer, columns, metadata, rows = [];
   const flush = async () => {
     const columnData = columns.map((column, k) => ({
       name: column.name, data: rows.map((row) => (column.type === 'integer' ? BigInt(row[k]) : row[k])) }));
@@ -25,9 +25,10 @@ export async function writeParquet(lines, path) {
       const schema = [{ name: 'run', num_children: columns.length },
         ...columns.map((column) => ({ name: column.name, repetition_type: column.optional ? 'OPTIONAL' : 'REQUIRED', ...TYPES[column.type] }))];
       const units = Object.fromEntries(columns.map((column) => [column.name, column.unit]));
-      writer = new ParquetWriter({
-        writer: fileWriter(path), schema, createdBy: 'unlatch',
-        kvMetadata: [{ key: 'units', value: JSON.stringify(units) }, { key: 'scenario', value: line.scenario }] });
+      metadata = [{ key: 'units', value: JSON.stringify(units) }, { key: 'scenario', value: line.scenario }];
+      writer = new ParquetWriter({ writer: fileWriter(path), schema, createdBy: 'unlatch', kvMetadata: metadata });
+    } else if (!Array.isArray(line)) {  // how the run ended
+      for (const [key, value] of Object.entries(line)) metadata.push({ key, value });
     } else {
       rows.push(line);
       if (rows.length === GROUP) await flush();

@@ -118,6 +118,10 @@ int run(const ReportOptions& options) {
   const std::string page = build_report_page(document);
   write_text(page, options.out);
   std::fprintf(stderr, "%s: %.1f MB\n", options.out.c_str(), static_cast<double>(page.size()) * 1e-6);
+  for (const Json& one : document.at("runs"))
+    if (one.at("status") != "ok")
+      std::fprintf(stderr, "  %s: %s: %s\n", one.at("log").get<std::string>().c_str(),
+                   one.at("status").get<std::string>().c_str(), one.at("message").get<std::string>().c_str());
   if (!sound)
     std::fprintf(stderr, "unlatch report: a recording does not replay as it was recorded; the page says where\n");
   return sound ? kExitDone : kExitFailed;

@@ -93,6 +93,7 @@ struct ContactKind {
     by.shift_surface(c.base);
     by.shift_surface(c.follower);
   }
+  static bool reads_speed(const Contact& c) { return c.rigid || c.damping != 0 || c.restitution || c.friction != 0; }
   static ElementTraits describe(const Model& model, const Contact& c);
   static void validate(const Contact& contact, const Check& check);
   static PlanContact compile(const Contact& contact, ElementCompiler& compiler);

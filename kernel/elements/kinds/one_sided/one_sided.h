@@ -69,6 +69,7 @@ struct OneSidedKind {
     by.shift_bodies(f.base, f.follower);
     by.shift_joint(f.joint);
   }
+  static bool reads_speed(const OneSided& o) { return o.damping != 0 || o.friction != 0; }
   static ElementTraits describe(const Model& model, const OneSided& f);
   static void validate(const OneSided& force, const Check& check);
   static PlanOneSided compile(const OneSided& force, ElementCompiler& compiler);

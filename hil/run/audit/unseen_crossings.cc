@@ -1,0 +1,245 @@
+#include "hil/run/audit/unseen_crossings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/run/motion/extreme.h"
+#include "hil/scenario/base/index.h"
+#include "unlatch/quantities.h"
+
+namespace unlatch::hil {
+namespace {
+
+using Kind = Condition::Kind;
+
+constexpr double kYes = 1e100, kNo = -1e100;
+
+bool combines(Kind kind) { return kind == Kind::kAll || kind == Kind::kAny || kind == Kind::kNot; }
+
+// True or false, and changed by events alone.
+bool is_logical(Kind kind) { return kind == Kind::kSignal || kind == Kind::kMode || kind == Kind::kEngaged; }
+
+bool is_known(Kind kind) {
+  switch (kind) {
+    case Kind::kTime:
+    case Kind::kReaction:
+    case Kind::kDisplacement:
+    case Kind::kAngle:
+    case Kind::kSpeed:
+    case Kind::kBodyRate:
+    case Kind::kSignal:
+    case Kind::kMode:
+    case Kind::kEngaged:
+    case Kind::kForceSize:
+    case Kind::kMomentSize:
+    case Kind::kQuantity:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// The root of a smooth function, which has a corner where it is zero.
+bool is_size(const Model& model, const Condition& condition) {
+  if (condition.kind == Kind::kBodyRate || condition.kind == Kind::kForceSize || condition.kind == Kind::kMomentSize)
+    return true;
+  if (condition.kind != Kind::kQuantity) return false;
+  const unlatch::Quantity& quantity = model.quantities[at(condition.subject)];
+  return get_traits(quantity.kind).values == QuantityValues::kVector && quantity.part == unlatch::Quantity::kSize &&
+         quantity.direction.isZero();
+}
+
+double calc_square(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return sum;
+}
+
+}  // namespace
+
+UnseenCrossings::UnseenCrossings(const Model& model) : model_(model) {
+  const Model placed = place_markers(model);
+  for (std::size_t i = 0; i < model.events.size(); ++i) {
+    Guard guard{.event = static_cast<int>(i), .repeats = model.events[i].repeat};
+    if (!list_leaves(model, placed, model.events[i].when, guard.leaves)) continue;
+    // Time alone, and what is true or false, is never missed.
+    if (std::ranges::any_of(guard.leaves, [](const Leaf& leaf) {
+          return leaf.condition.kind != Kind::kTime && !is_logical(leaf.condition.kind);
+        }))
+      guards_.push_back(std::move(guard));
+  }
+}
+
+bool UnseenCrossings::list_leaves(const Model& model, const Model& placed, const Condition& condition,
+                                  std::vector<Leaf>& to) {
+  if (combines(condition.kind))
+    return std::ranges::all_of(condition.parts,
+                               [&](const Condition& part) { return list_leaves(model, placed, part, to); });
+  if (!is_known(condition.kind)) return false;
+  Leaf leaf{.condition = condition, .squared = is_size(model, condition)};
+  if (condition.kind == Kind::kDisplacement || condition.kind == Kind::kAngle || condition.kind == Kind::kSpeed)
+    leaf.joint.emplace(placed, condition.subject);
+  to.push_back(std::move(leaf));
+  return true;
+}
+
+double UnseenCrossings::calc_value(const Leaf& leaf, const MotionKnot& knot) const {
+  const Condition& own = leaf.condition;
+  const std::size_t subject = at(own.subject);
+  const auto body_at = [&](int body) { return body < 0 ? get_rest() : knot.state.bodies[at(body)]; };
+  switch (own.kind) {
+    case Kind::kTime:
+      return knot.time;
+    case Kind::kReaction: {
+      const Joint& joint = model_.joints[subject];
+      if (!has_row(joint.modes[at(static_cast<int>(knot.state.joints[subject].mode))].rows, own.axis))
+        return own.below ? kYes : kNo;
+      return knot.multipliers[6 * subject + at(own.axis)];
+    }
+    case Kind::kForceSize:
+      return calc_square(knot.multipliers.subspan(6 * subject, 3));
+    case Kind::kMomentSize:
+      return calc_square(knot.multipliers.subspan(6 * subject + 3, 3));
+    case Kind::kDisplacement:
+      return leaf.joint->calc_coordinate(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()),
+                                         own.axis);
+    case Kind::kAngle: {
+      constexpr double kTurn = 2 * std::numbers::pi;
+      const double angle =
+          leaf.joint->calc_coordinate(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
+      return angle - kTurn * std::nearbyint((angle - leaf.latest.value_or(angle)) / kTurn);  // turns counted
+    }
+    case Kind::kSpeed:
+      return leaf.joint->calc_speed(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
+    case Kind::kBodyRate: {
+      const Vec3& w = knot.state.bodies[subject].w;
+      return dot(w, w);
+    }
+    case Kind::kQuantity:
+      return leaf.squared ? knot.quantities[subject] * knot.quantities[subject] : knot.quantities[subject];
+    default:
+      return kNo;
+  }
+}
+
+void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, bool begins) const {
+  for (Leaf& leaf : guard.leaves) {
+    const auto subject = at(leaf.condition.subject);
+    switch (leaf.condition.kind) {
+      case Kind::kSignal:
+        leaf.holds = knot.state.signals[subject] != 0;
+        break;
+      case Kind::kMode:
+        leaf.holds = knot.state.joints[subject].mode == leaf.condition.axis;
+        break;
+      case Kind::kEngaged:
+        leaf.holds = knot.state.engaged[subject] != 0;
+        break;
+      default: {
+        if (begins) leaf.count = 0;
+        if (leaf.count == kCurvePoints) {
+          std::copy(leaf.times + 1, leaf.times + kCurvePoints, leaf.times);
+          std::copy(leaf.values + 1, leaf.values + kCurvePoints, leaf.values);
+          --leaf.count;
+        }
+        leaf.times[leaf.count] = knot.time;
+        leaf.latest = leaf.values[leaf.count] = calc_value(leaf, knot);
+        ++leaf.count;
+      }
+    }
+  }
+  if (begins) guard.count = 0;
+  if (guard.count == 3) {
+    std::copy(guard.times + 1, guard.times + 3, guard.times);
+    std::copy(guard.below + 1, guard.below + 3, guard.below);
+    --guard.count;
+  }
+  guard.times[guard.count] = knot.time;
+  guard.below[guard.count] = -calc(guard, std::nan(""));
+  ++guard.count;
+}
+
+double UnseenCrossings::calc(const Condition& condition, std::span<const Leaf> leaves, double time, std::size_t& next) {
+  if (condition.kind == Kind::kNot) return -calc(condition.parts[0], leaves, time, next);
+  if (combines(condition.kind)) {
+    double value = calc(condition.parts[0], leaves, time, next);
+    for (std::size_t i = 1; i < condition.parts.size(); ++i) {
+      const double part = calc(condition.parts[i], leaves, time, next);
+      value = condition.kind == Kind::kAll ? std::min(value, part) : std::max(value, part);
+    }
+    return value;
+  }
+  const Leaf& leaf = leaves[next++];
+  if (is_logical(condition.kind)) return leaf.holds ? kYes : kNo;
+  const auto count = static_cast<std::size_t>(leaf.count);
+  double value =
+      std::isnan(time) ? leaf.values[count - 1] : interpolate({leaf.times, count}, {leaf.values, count}, time);
+  if (leaf.squared) value = std::sqrt(std::max(value, 0.0));
+  return condition.below ? condition.threshold - value : value - condition.threshold;
+}
+
+double UnseenCrossings::calc(const Guard& guard, double time) const {
+  std::size_t next = 0;
+  return calc(model_.events[at(guard.event)].when, guard.leaves, time, next);
+}
+
+// Its third difference is small beside the second: no jump or corner lies between the latest four knots.
+bool UnseenCrossings::is_smooth(const Leaf& leaf) {
+  constexpr double kSmooth = 0.7;
+  if (is_logical(leaf.condition.kind) || leaf.count < 4) return true;
+  const double* const t = leaf.times + leaf.count - 4;
+  double first[3], second[2];
+  for (int i = 0; i < 3; ++i)
+    first[i] = (leaf.values[leaf.count - 3 + i] - leaf.values[leaf.count - 4 + i]) / (t[i + 1] - t[i]);
+  for (int i = 0; i < 2; ++i) second[i] = (first[i + 1] - first[i]) / (t[i + 2] - t[i]);
+  const double greatest = std::max(std::abs(second[0]), std::abs(second[1]));
+  constexpr double kRounding = 1e-12;  // of a line the differences are rounding
+  const double size = std::abs(leaf.values[leaf.count - 1]) + std::abs(leaf.values[leaf.count - 2]);
+  const double span = t[3] - t[1];
+  return std::abs(second[1] - second[0]) <= kSmooth * greatest || greatest * span * span <= kRounding * size;
+}
+
+// Searches about the knot before the latest one, if the guard is greatest there of three.
+void UnseenCrossings::find(const Guard& guard) {
+  const auto function = [&](double time) { return -calc(guard, time); };
+  const double *const times = guard.times, *const values = guard.below;
+  if (guard.count < 3 || !(values[0] > 0 && values[1] > 0 && values[2] > 0)) return;
+  Least least;
+  least.take(times[1], values[1]);
+  least.look_about(times, values, 0, function);
+  constexpr double kNoise = 1e-6;  // of what the guard changes from knot to knot: as much is error of the polynomial
+  if (!(least.get_value() < -kNoise * std::max(values[0] - values[1], values[2] - values[1]))) return;
+  if (!std::ranges::all_of(guard.leaves, is_smooth)) return;
+  const auto cross = [&](double outside) {
+    double inside = least.get_time();
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (function(middle) > 0 ? outside : inside) = middle;
+    }
+    return inside;
+  };
+  found_.push_back({guard.event, cross(least.get_time() < times[1] ? times[0] : times[1]),
+                    cross(least.get_time() < times[1] ? times[1] : times[2])});
+}
+
+std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window, const MotionKnot& from,
+                                                      const MotionKnot& to) {
+  found_.clear();
+  for (Guard& guard : guards_) {
+    const EventPhase phase = from.state.events[at(guard.event)].phase;
+    const bool waits = phase == EventPhase::kArmed || (phase == EventPhase::kSpent && guard.repeats);
+    if (!waits) {
+      guard.rests = true;
+      continue;
+    }
+    const bool begins = guard.rests || !window.is_smooth();
+    if (begins) add(guard, from, true);
+    add(guard, to, false);
+    guard.rests = false;
+    find(guard);
+  }
+  return found_;
+}
+
+}  // namespace unlatch::hil

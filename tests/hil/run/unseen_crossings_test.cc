@@ -1,0 +1,130 @@
+// What a quantity does within a step: conditions of events that hold for a part of it alone, so that no tick shows
+// them; the least size of a vector.
+#include "hil/run/audit/unseen_crossings.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test {
+namespace {
+
+std::vector<hil::RunNotice> list_notices(const AnalysedRun& run) {
+  std::vector<hil::RunNotice> found;
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    if (notice.name == "search") found.push_back(notice);
+  return found;
+}
+
+// A slider on a spring: x = 1 m - cos(20/s t) m. At its peaks it is beyond 1.9995 m for 3.2 ms.
+std::string build_swing(const std::string& dt, const std::string& condition, const std::string& more = "") {
+  return "unlatch: 1\nname: swing\nstep: {dt: " + dt + R"(, until: 0.3}
+bodies:
+  slider: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  rail: {between: [ground, slider], modes: {slides: {kind: prismatic, axis: x}}}
+elements:
+  spring: {type: joint_spring, joint: rail, axis: x, stiffness: 400, rest: 1 m}
+quantities:
+  x: {position: {body: slider, component: x}}
+  square: {expression: "x * x", unit: m2}
+signals: [far]
+events:
+  - {name: hit, when: )" +
+         condition + ", then: [{raise: far}]" + more + R"(}
+requirements:
+  - {id: end, displacement: {joint: rail, axis: x}, take: final, at_most: 3 m}
+)";
+}
+
+// The step that the notice proposes, s.
+std::string find_proposed_step(const std::string& text) {
+  const std::string before = "a step of ";
+  const std::size_t from = text.find(before) + before.size();
+  return text.substr(from, text.find(" s ", from) - from) + " s";
+}
+
+TEST(UnseenCrossings, AConditionThatHoldsForAPartOfAStepIsUnresolvedAndTheProposedStepSeesIt) {
+  const std::string conditions[] = {
+      "{displacement: {joint: rail, axis: x}, above: 1.9995 m}",
+      "{quantity: x, above: 1.9995 m}",
+      "{quantity: square, above: 3.99800025 m2}",
+      "{quantity: {position: {body: slider}}, above: 1.9995 m}",
+      "{all: [{quantity: x, above: 1.9995 m}, {time: 1 ms}]}",
+      "{any: [{quantity: x, above: 1.9995 m}, {quantity: x, below: -1 m}]}",
+      "{not: {quantity: x, below: 1.9995 m}}",
+  };
+  const double first = std::acos(-0.9995) / 20;  // s
+  for (const std::string& condition : conditions) {
+    const AnalysedRun run(build_swing("10 ms", condition));
+    EXPECT_TRUE(run.analysis.timeline.empty()) << condition;
+    const std::vector<hil::RunNotice> notices = list_notices(run);
+    ASSERT_EQ(notices.size(), 1u) << condition;
+    EXPECT_EQ(notices[0].subject, "hit");
+    EXPECT_TRUE(notices[0].unresolved);
+    EXPECT_FALSE(run.judge("end").unresolved.empty());
+    const AnalysedRun fine(build_swing(find_proposed_step(notices[0].text), condition));
+    EXPECT_TRUE(list_notices(fine).empty()) << condition;
+    ASSERT_FALSE(fine.analysis.timeline.empty()) << notices[0].text;
+    EXPECT_NEAR(fine.analysis.timeline[0].time, first, 1e-6) << condition;
+    EXPECT_TRUE(fine.judge("end").unresolved.empty()) << fine.judge("end").unresolved;
+  }
+}
+
+TEST(UnseenCrossings, AConditionThatAnEventSawOrDidNotWaitForIsNotTaken) {
+  const std::string seen[] = {
+      build_swing("10 ms", "{quantity: x, above: 1.9 m}"),     // for 45 ms
+      build_swing("10 ms", "{quantity: x, above: 2.0001 m}"),  // never
+      build_swing("10 ms", "{all: [{quantity: x, above: 1.9995 m}, {signal: far}]}"),
+      build_swing("10 ms", "{quantity: x, above: 1 m}"),  // it acted before
+      build_swing("10 ms", "{quantity: x, above: 1 m}", ", repeat: true"),
+  };
+  for (const std::string& text : seen) {
+    const AnalysedRun run(text);
+    EXPECT_TRUE(list_notices(run).empty()) << text << list_notices(run)[0].text;
+    EXPECT_TRUE(run.judge("end").unresolved.empty()) << run.judge("end").unresolved;
+  }
+}
+
+// Two balls that pass each other at 2 m/s, nearer than 1 mm for 1 ms: their distance has a corner there.
+TEST(UnseenCrossings, APassThatNoTickShowsIsUnresolvedByTheSizeOfAVector) {
+  const auto build = [](const std::string& near) {
+    return R"(unlatch: 1
+name: pass
+step: {dt: 10 ms, until: 0.5}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [0.503, 0.1 mm, 0], velocity: [-1, 0, 0]}
+events:
+  - {name: near, when: {quantity: {position: {body: a, relative_to: b}}, below: )" +
+           near + R"(}, then: []}
+requirements:
+  - {id: end, position: {body: a, along: [1, 0, 0]}, take: final, at_most: 3 m}
+)";
+  };
+  const AnalysedRun run(build("1 mm"));
+  ASSERT_EQ(list_notices(run).size(), 1u);
+  EXPECT_NE(list_notices(run)[0].text.find("at 0.251"), std::string::npos) << list_notices(run)[0].text;
+  EXPECT_FALSE(run.judge("end").unresolved.empty());
+  EXPECT_TRUE(list_notices(AnalysedRun(build("0.05 mm"))).empty());
+}
+
+// It passes a ball at 0.25 m within a step of 50 ms, 13 mm behind a tick. The size has all but a corner there.
+TEST(Requirements, TheLeastSizeOfAVectorWithinAStepIsThatOfItsSquare) {
+  const AnalysedRun run(R"(unlatch: 1
+name: pass
+step: {dt: 50 ms, until: 1}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [-5.013, 0.25, 0], velocity: [10, 0, 0]}
+requirements:
+  - {id: apart, quantity: {position: {body: b, relative_to: a}}, take: minimum, at_least: 0.2 m}
+)");
+  EXPECT_NEAR(run.judge("apart").value, 0.25, 1e-9);
+  EXPECT_NEAR(run.judge("apart").time, 0.5013, 1e-6);
+}
+
+}  // namespace
+}  // namespace unlatch::test
