@@ -121,12 +121,11 @@ class LawCompiler {
     compiler_.plan.law_numbers.places = 0;
     zero_ = get_size(plan_.numbers);
     plan_.numbers.push_back(0);
+    const std::vector<std::vector<int>> bodies = list_air_bodies(model_, graph_.driving);
     for (std::size_t i = 0; i < model_.laws.size(); ++i) {
       append(model_.laws[i], graph_.driving[i]);
-      if (graph_.driving[i])
-        for (const int body : list_air_bodies(model_, model_.laws[i])) append_air(body);
+      for (const int body : bodies[i]) append_air(body);
     }
-    std::ranges::stable_sort(plan_.air_places, {}, &PlanAirPlace::body);
   }
 
  private:

@@ -7,6 +7,7 @@
 #include "kernel/math/index.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/model/law_places.h"
+#include "unlatch/quantities.h"
 #include "unlatch/readings.h"
 
 namespace unlatch {
@@ -99,27 +100,30 @@ int count_law_places(const Model& model, const LawStep& step) {
   return get_operands(step.kind).decides ? 1 : 0;
 }
 
-std::vector<int> list_air_bodies(const Model& model, const Law& law) {
-  std::vector<int> bodies;
-  for (const LawStep& step : law.steps) {
-    if (step.kind != LawStep::Kind::kQuantity) continue;
-    const Quantity& quantity = model.quantities[at(step.subject)];
-    if (get_traits(quantity.kind).of_air && std::ranges::find(bodies, quantity.subject) == bodies.end())
-      bodies.push_back(quantity.subject);
-  }
+std::vector<std::vector<int>> list_air_bodies(const Model& model, const std::vector<bool>& driving) {
+  std::vector<std::vector<int>> bodies(model.laws.size());
+  std::vector<bool> read(model.bodies.size());
+  for (std::size_t i = 0; i < driving.size(); ++i)
+    for (const LawStep& step : model.laws[i].steps) {
+      if (!driving[i] || step.kind != LawStep::Kind::kQuantity) continue;
+      const Quantity& quantity = model.quantities[at(step.subject)];
+      if (!get_traits(quantity.kind).of_air || read[at(quantity.subject)]) continue;
+      read[at(quantity.subject)] = true;
+      bodies[i].push_back(quantity.subject);
+    }
   return bodies;
 }
 
 std::vector<TableLookup> list_table_lookups(const Model& model) {
   std::vector<TableLookup> list;
-  const std::vector<bool> driving = list_driving_laws(model);
+  const std::vector<std::vector<int>> bodies = list_air_bodies(model, list_driving_laws(model));
   int place = 0;
   for (std::size_t i = 0; i < model.laws.size(); ++i) {
     for (const LawStep& step : model.laws[i].steps) {
       if (step.kind == LawStep::Kind::kTable) list.push_back({static_cast<int>(i), step.subject, place});
       place += count_law_places(model, step);
     }
-    if (driving[i]) place += static_cast<int>(list_air_bodies(model, model.laws[i]).size());
+    place += static_cast<int>(bodies[i].size());
   }
   return list;
 }
@@ -127,12 +131,11 @@ std::vector<TableLookup> list_table_lookups(const Model& model) {
 bool has_driving_corners(const Model& model) {
   if (!model.aerodynamics.empty()) return true;
   const std::vector<bool> driving = list_driving_laws(model);
-  for (std::size_t i = 0; i < driving.size(); ++i) {
-    if (!driving[i]) continue;
-    if (!list_air_bodies(model, model.laws[i]).empty()) return true;
+  for (const std::vector<int>& bodies : list_air_bodies(model, driving))
+    if (!bodies.empty()) return true;
+  for (std::size_t i = 0; i < driving.size(); ++i)
     for (const LawStep& step : model.laws[i].steps)
-      if (count_law_places(model, step) > 0) return true;
-  }
+      if (driving[i] && count_law_places(model, step) > 0) return true;
   return false;
 }
 

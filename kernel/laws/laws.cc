@@ -96,17 +96,11 @@ void update_range(const Instant& now, Range operands, Range laws, Evaluation& ev
 // The altitudes of bodies whose air laws read, unless `aerodynamics` has them.
 void update_air_places(const Instant& now, Evaluation& ev) {
   const PlanData& plan = now.plan;
-  std::int32_t latest = kNone;
-  double altitude = 0;
   for (const PlanAirPlace& own : plan.laws.air_places) {
-    if (own.aerodynamics != kNone &&
-        calc_scale(now.state.elements[at(plan.aerodynamics[at(own.aerodynamics)].element)], now.t) != 0) {
-      ev.law_places[at(own.place)] = std::numeric_limits<double>::quiet_NaN();
-      continue;
-    }
-    if (own.body != latest) altitude = quantities::get_flight(now, ev, own.body).place.geodetic.altitude;
-    latest = own.body;
-    ev.law_places[at(own.place)] = altitude;
+    const bool acts = own.aerodynamics != kNone &&
+                      calc_scale(now.state.elements[at(plan.aerodynamics[at(own.aerodynamics)].element)], now.t) != 0;
+    ev.law_places[at(own.place)] = acts ? std::numeric_limits<double>::quiet_NaN()
+                                        : quantities::get_flight(now, ev, own.body).place.geodetic.altitude;
   }
 }
 
