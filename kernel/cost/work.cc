@@ -322,6 +322,7 @@ void count_laws(const PlanData& plan, Work& work) {
   if (!plan.air_corners.empty())
     work[Unit::kCorners] += static_cast<double>(plan.aerodynamics.size()) *
                             (1 + static_cast<double>(std::bit_width(plan.air_corners.size())));
+  work[Unit::kFlightQuantities] += static_cast<double>(plan.laws.air_places.size());
   work[Unit::kBranches] = plan.law_numbers.places;
 }
 

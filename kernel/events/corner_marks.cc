@@ -107,6 +107,9 @@ CornerMarks mark_corners(const PlanData& plan, const State& state, double begin,
       marker.mark_way(course.at_begin[at(step.place)], course.at_end[at(step.place)], &kZero, 1);
     marks.jumps = marks.jumps || jumps_at_end(step, margin, course);
   }
+  for (const PlanAirPlace& own : plan.laws.air_places)
+    marker.mark_way(course.at_begin[at(own.place)], course.at_end[at(own.place)], &plan.laws.numbers[at(own.knots)],
+                    own.count);
   for (std::size_t i = 0; i < course.low.size(); ++i)
     marker.mark_way(course.low[i], course.high[i], plan.air_corners.data(), std::ssize(plan.air_corners));
   return marks;

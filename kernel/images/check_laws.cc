@@ -49,6 +49,13 @@ void PlanCheck::check_laws() {
     require_range(corner.knots, corner.count, laws.numbers.size());
     require(corner.count >= 1);
   }
+  for (const PlanAirPlace& own : laws.air_places) {
+    require(plan_.environment.has_air);
+    require_index(own.place, at(plan_.law_numbers.places));
+    require_body(own.body);
+    require_optional(own.aerodynamics, plan_.aerodynamics.size());
+    require_range(own.knots, own.count, laws.numbers.size());
+  }
   for (const PlanLawStep& step : laws.steps) {
     require_kind(step.kind, LawStep::Kind::kIfLess);
     require_flag(step.of_law);

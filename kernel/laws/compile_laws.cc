@@ -4,6 +4,7 @@
 #include <span>
 #include <tuple>
 
+#include "kernel/environment/environment_model.h"
 #include "kernel/laws/law_graph.h"
 #include "kernel/laws/law_model.h"
 #include "kernel/laws/table_weights.h"
@@ -120,7 +121,11 @@ class LawCompiler {
     compiler_.plan.law_numbers.places = 0;
     zero_ = get_size(plan_.numbers);
     plan_.numbers.push_back(0);
-    for (std::size_t i = 0; i < model_.laws.size(); ++i) append(model_.laws[i], graph_.driving[i]);
+    const std::vector<std::vector<int>> bodies = list_air_bodies(model_, graph_.driving);
+    for (std::size_t i = 0; i < model_.laws.size(); ++i) {
+      append(model_.laws[i], graph_.driving[i]);
+      for (const int body : bodies[i]) append_air(body);
+    }
   }
 
  private:
@@ -176,12 +181,28 @@ class LawCompiler {
     }
   }
 
+  // The altitude of a body, whose corners are those of the air.
+  void append_air(int body) {
+    if (plan_.air_places.empty()) {
+      const std::vector<double> corners = compile_environment(model_.environment).corners;
+      air_ = get_size(plan_.numbers), air_count_ = get_size(corners);
+      plan_.numbers.insert(plan_.numbers.end(), corners.begin(), corners.end());
+    }
+    const auto own = std::ranges::find(model_.aerodynamics, body, &Aerodynamics::body);
+    const bool acts = own != model_.aerodynamics.end();
+    const std::int32_t place = compiler_.plan.law_numbers.places++,
+                       number = acts ? static_cast<std::int32_t>(own - model_.aerodynamics.begin()) : kNone;
+    plan_.air_places.push_back({place, body, number, air_, air_count_});
+    plan_.corners.push_back({place, air_, air_count_, false});
+  }
+
   const Model& model_;
   const LawGraph graph_;
   ElementCompiler& compiler_;
   PlanLawLists<GrowingList>& plan_;
   std::map<int, std::int32_t> operands_;  // by the model's number of the quantity
   std::int32_t zero_ = 0;                 // the knot of a branch
+  std::int32_t air_ = 0, air_count_ = 0;  // corners of the air, in PlanLaws::numbers
 };
 
 // A command decides the value of some law.

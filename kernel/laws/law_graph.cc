@@ -7,6 +7,7 @@
 #include "kernel/math/index.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/model/law_places.h"
+#include "unlatch/quantities.h"
 #include "unlatch/readings.h"
 
 namespace unlatch {
@@ -99,19 +100,39 @@ int count_law_places(const Model& model, const LawStep& step) {
   return get_operands(step.kind).decides ? 1 : 0;
 }
 
+std::vector<std::vector<int>> list_air_bodies(const Model& model, const std::vector<bool>& driving) {
+  std::vector<std::vector<int>> bodies(model.laws.size());
+  std::vector<bool> read(model.bodies.size());
+  for (std::size_t i = 0; i < driving.size(); ++i)
+    for (const LawStep& step : model.laws[i].steps) {
+      if (!driving[i] || step.kind != LawStep::Kind::kQuantity) continue;
+      const Quantity& quantity = model.quantities[at(step.subject)];
+      if (!get_traits(quantity.kind).of_air || read[at(quantity.subject)]) continue;
+      read[at(quantity.subject)] = true;
+      bodies[i].push_back(quantity.subject);
+    }
+  return bodies;
+}
+
 std::vector<TableLookup> list_table_lookups(const Model& model) {
   std::vector<TableLookup> list;
+  const std::vector<std::vector<int>> bodies = list_air_bodies(model, list_driving_laws(model));
   int place = 0;
-  for (std::size_t i = 0; i < model.laws.size(); ++i)
+  for (std::size_t i = 0; i < model.laws.size(); ++i) {
     for (const LawStep& step : model.laws[i].steps) {
       if (step.kind == LawStep::Kind::kTable) list.push_back({static_cast<int>(i), step.subject, place});
       place += count_law_places(model, step);
     }
+    place += static_cast<int>(bodies[i].size());
+  }
   return list;
 }
 
 bool has_driving_corners(const Model& model) {
+  if (!model.aerodynamics.empty()) return true;
   const std::vector<bool> driving = list_driving_laws(model);
+  for (const std::vector<int>& bodies : list_air_bodies(model, driving))
+    if (!bodies.empty()) return true;
   for (std::size_t i = 0; i < driving.size(); ++i)
     for (const LawStep& step : model.laws[i].steps)
       if (driving[i] && count_law_places(model, step) > 0) return true;

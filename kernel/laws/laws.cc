@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "kernel/laws/law_steps.h"
 #include "kernel/laws/tables.h"
+#include "kernel/quantities/flight.h"
 #include "kernel/quantities/quantities.h"
 
 namespace unlatch {
@@ -91,12 +93,24 @@ void update_range(const Instant& now, Range operands, Range laws, Evaluation& ev
         calc_law(now, ev.law_operands, ev.laws, {ev.table_exits, ev.law_places, ev.branches}, plan.order[i]);
 }
 
+// The altitudes of bodies whose air laws read, unless `aerodynamics` has them.
+void update_air_places(const Instant& now, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  for (const PlanAirPlace& own : plan.laws.air_places) {
+    const bool acts = own.aerodynamics != kNone &&
+                      calc_scale(now.state.elements[at(plan.aerodynamics[at(own.aerodynamics)].element)], now.t) != 0;
+    ev.law_places[at(own.place)] = acts ? std::numeric_limits<double>::quiet_NaN()
+                                        : quantities::get_flight(now, ev, own.body).place.geodetic.altitude;
+  }
+}
+
 }  // namespace
 
 std::span<const double> update_driving_laws(const Instant& now, Evaluation& ev) noexcept {
   std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
   const PlanLawNumbers& numbers = now.plan.law_numbers;
   update_range(now, {0, at(numbers.driving_operands)}, {0, at(numbers.driving)}, ev);
+  update_air_places(now, ev);
   return ev.laws;
 }
 

@@ -47,6 +47,14 @@ struct PlanCorner {
   bool jumps;                        // the value may jump there: `if_less`
 };
 
+// A body whose air a law reads that forces read: where its altitude has corners, the law has them too. While
+// `aerodynamics` acts on that body, it finds them itself, and the place has NaN.
+struct PlanAirPlace {
+  std::int32_t place, body;   // place: in Evaluation::law_places
+  std::int32_t aerodynamics;  // on that body, in PlanData::aerodynamics; or kNone
+  std::int32_t knots, count;  // those altitudes, in PlanLaws::numbers
+};
+
 struct PlanLaw {
   std::int32_t first, count;  // into PlanLaws::steps
   std::int32_t scale_channel, offset_channel;
@@ -74,6 +82,7 @@ struct PlanLawLists {
   List<std::int32_t> order, operands;
   List<std::int32_t> loads;  // that a law sizes
   List<PlanCorner> corners;
+  List<PlanAirPlace> air_places;
 
   bool empty() const { return list.empty(); }
 
@@ -90,6 +99,7 @@ struct PlanLawLists {
     use(lists.operands...);
     use(lists.loads...);
     use(lists.corners...);
+    use(lists.air_places...);
   }
 };
 using PlanLaws = PlanLawLists<FixedList>;

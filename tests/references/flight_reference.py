@@ -154,9 +154,45 @@ class Body:
             force, moment = self.forces(self.flow(r, v, R, w))
         if self.torque:
             moment = moment + gradient_torque(r, R, self.inertia)
-        turn = (moment - np.cross(w, self.inertia * w)) / self.inertia
-        rate = 0.5 * np.array([-q[1:] @ w, *(q[0] * w + np.cross(q[1:], w))])
-        return np.concatenate([v, gravity(r) + R @ force / self.mass, rate, turn])
+        faster = (moment - np.cross(w, self.inertia * w)) / self.inertia
+        return np.concatenate([v, gravity(r) + R @ force / self.mass, turn(q, w), faster])
+
+
+def look_around(r, v, R, air, wind):
+    """Density and pressure; velocity through the air, speed, Mach number, angle of attack, sideslip; roll, pitch, yaw; of body axes R."""
+    latitude, altitude = geodetic(r)
+    local = local_axes(latitude, np.arctan2(r[1], r[0]))
+    density, pressure = air(altitude)[:2]
+    u = R.T @ (v - np.cross(OMEGA, r) - local @ wind(altitude))
+    V, E = np.linalg.norm(u), local.T @ R
+    return {"density": density, "pressure": pressure, "u": u, "V": V, "mach": V / np.sqrt(1.4 * pressure / density),
+            "alpha": np.arctan2(u[2], u[0]), "beta": np.arcsin(u[1] / V), "roll": np.arctan2(E[2, 1], E[2, 2]),
+            "pitch": np.arctan2(-E[2, 0], np.hypot(E[0, 0], E[1, 0])), "yaw": np.arctan2(E[1, 0], E[0, 0])}
+
+
+def cross_matrix(x):
+    return np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]])
+
+
+def accelerate(parts, r, R, w, force, moment, torque):
+    """Accelerations of a point of a rigid body of several parts (mass, centre from the point, inertia about it), and of its rates; body axes.
+
+    `force`, `moment`: about that point, without gravity. `torque`: with that of the gradient of gravity over each part."""
+    M = np.zeros((6, 6))
+    for mass, centre, inertia in parts:
+        X = cross_matrix(centre)
+        pull = mass * (R.T @ gravity(r + R @ centre) - np.cross(w, np.cross(w, centre)))
+        force, moment = force + pull, moment + np.cross(centre, pull) - np.cross(w, inertia @ w)
+        if torque:
+            moment = moment + gradient_torque(r + R @ centre, R, np.diag(inertia))
+        M += np.block([[mass * np.eye(3), -mass * X], [mass * X, inertia - mass * X @ X]])
+    a = np.linalg.solve(M, np.concatenate([force, moment]))
+    return a[:3], a[3:]
+
+
+def turn(q, w):
+    """The quaternion's rate."""
+    return 0.5 * np.array([-q[1:] @ w, *(q[0] * w + np.cross(q[1:], w))])
 
 
 def start(latitude, longitude, altitude, velocity, euler, rate, inertial=False, rate_relative_to="inertial"):

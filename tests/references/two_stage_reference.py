@@ -71,6 +71,10 @@ def air(altitude):
     return density, pressure
 
 
+def blow(altitude):
+    return np.array([*(np.interp(altitude, WIND[0], values) for values in WIND[1]), 0])
+
+
 # --- The rocket: axes of the second stage, from its origin ------------------------------------------------------------
 
 class Stage:
@@ -91,10 +95,6 @@ FIRST = Stage([0, 30e3, 60e3, 90e3, 108e3], [120e3, 90e3, 60e3, 30e3, 12e3],
 POINT, NOZZLE, NOZZLE2 = np.array([-14.0, 0, 0]), np.array([-28.0, 0, 0]), np.array([-4.5, 0, 0])
 
 
-def cross_matrix(x):
-    return np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]])
-
-
 def deflect(thrust, pitch, yaw):
     pitch, yaw = (min(max(angle, -SWING), SWING) for angle in (pitch, yaw))
     return thrust * np.array([math.cos(pitch) * math.cos(yaw), math.sin(yaw), -math.sin(pitch) * math.cos(yaw)])
@@ -107,16 +107,9 @@ class Rocket:
     def __call__(self, t, y):
         r, v, q, w = y[:3], y[3:6], y[6:10], y[10:13]
         R = earth.matrix(q)
-        latitude, altitude = earth.geodetic(r)
-        local = earth.local_axes(latitude, math.atan2(r[1], r[0]))
-        density, pressure = air(altitude)
-        wind = np.array([*(np.interp(altitude, WIND[0], values) for values in WIND[1]), 0])
-        u = R.T @ (v - np.cross(earth.OMEGA, r) - local @ wind)
-        V = math.sqrt(u @ u)
-        mach, alpha, beta = V / math.sqrt(1.4 * pressure / density), math.atan2(u[2], u[0]), math.asin(u[1] / V)
-        q_s = 0.5 * density * V * V * AREA
-        E = local.T @ R
-        roll, pitch, yaw = math.atan2(E[2, 1], E[2, 2]), math.atan2(-E[2, 0], math.hypot(E[0, 0], E[1, 0])), math.atan2(E[1, 0], E[0, 0])
+        around = earth.look_around(r, v, R, air, blow)
+        pressure, u, V, mach, alpha, beta, roll, pitch, yaw = (around[key] for key in ("pressure", "u", "V", "mach", "alpha", "beta", "roll", "pitch", "yaw"))
+        q_s = 0.5 * around["density"] * V * V * AREA
         error, aside = pitch - PROGRAM(t), (yaw - 90 * DEG) * math.cos(pitch)
 
         moment = np.array([-20e3 * roll - 60e3 * w[0], 0, 0])
@@ -136,15 +129,8 @@ class Rocket:
                 jet = deflect(thrust, 0.12 * error + 0.26 * w[1], 0.12 * aside + 0.26 * w[2])
                 force, moment, flow2 = force + jet, moment + np.cross(NOZZLE2, jet), thrust / VACUUM
 
-        M = np.zeros((6, 6))
-        for mass, centre, inertia in parts:
-            X = cross_matrix(centre)
-            pull = mass * (R.T @ earth.gravity(r + R @ centre) - np.cross(w, np.cross(w, centre)))
-            force, moment = force + pull, moment + np.cross(centre, pull) - np.cross(w, inertia @ w)
-            M += np.block([[mass * np.eye(3), -mass * X], [mass * X, inertia - mass * X @ X]])
-        a = np.linalg.solve(M, np.concatenate([force, moment]))
-        rate = 0.5 * np.array([-q[1:] @ w, *(q[0] * w + np.cross(q[1:], w))])
-        return np.concatenate([v, R @ a[:3], rate, a[3:], [flow, flow2]])
+        faster, spun = earth.accelerate(parts, r, R, w, force, moment, torque=False)
+        return np.concatenate([v, R @ faster, earth.turn(q, w), spun, [flow, flow2]])
 
 
 def start():

@@ -132,34 +132,46 @@ TEST(Corners, StepsAreSplitAtTheEndsOfRamps) {
     }
 }
 
+// The drag of a ball: by its coefficient, and by forces whose laws read the air.
+constexpr const char* kByAerodynamics = "elements: {air: {type: aerodynamics, body: ball, area: 0.3 m2, drag: 1}}\n";
+constexpr const char* kByLaws =
+    "quantities:\n  density: {density: ball}\n  speed: {airspeed: ball}\n"
+    "  u: {air_velocity: {body: ball, component: x}}\n  v: {air_velocity: {body: ball, component: y}}\n"
+    "  w: {air_velocity: {body: ball, component: z}}\n  drag: {expression: \"-0.15 m2 * density * speed\"}\n"
+    "elements:\n  x: {type: force, body: ball, direction: [1, 0, 0], profile: {expression: drag * u}}\n"
+    "  y: {type: force, body: ball, direction: [0, 1, 0], profile: {expression: drag * v}}\n"
+    "  z: {type: force, body: ball, direction: [0, 0, 1], profile: {expression: drag * w}}\n";
+
 // A ball that falls through rows of the wind and through the border of two layers of the air at 11 km.
-std::string build_fall(const char* dt) {
+std::string build_fall(const char* dt, const char* drag) {
   return std::string("unlatch: 1\nname: fall\nstep: {dt: ") + dt +
          ", until: 8 s}\nenvironment: {planet: wgs84, atmosphere: us1976, origin: start, wind: {altitude: [9.7 km, "
          "10.1 "
          "km, 10.6 km, 11.4 km, 11.5 km], north: [5, -20, 10, 30, -10], east: [0, 15, -25, 20, 40]}}\n"
          "start: {latitude: 40 deg, altitude: 12 km, velocity: [0, 0, 300]}\n"
-         "bodies: {ball: {mass: 20, inertia: [1, 1, 1]}}\n"
-         "elements: {air: {type: aerodynamics, body: ball, area: 0.3 m2, drag: 1}}\n";
+         "bodies: {ball: {mass: 20, inertia: [1, 1, 1]}}\n" +
+         drag;
 }
 
-Vec3 fall_through_wind(const char* dt) {
-  const auto simulation = hil::build_simulation(hil::load_scenario_text(build_fall(dt), "fall.yaml"));
+Vec3 fall_through_wind(const char* dt, const char* drag) {
+  const auto simulation = hil::build_simulation(hil::load_scenario_text(build_fall(dt, drag), "fall.yaml"));
   while (simulation->get_time() < 8 - 1e-9) EXPECT_EQ(simulation->step().status, StepStatus::kOk);
   return simulation->state().bodies[0].v;
 }
 
 TEST(Corners, StepsAreSplitAtTheRowsOfTheWindAndAtTheBordersOfTheAirsLayers) {
   constexpr double kFourthOrder = 12;  // of 16: what halving the step divides its error by
-  const Vec3 exact = fall_through_wind("0.625 ms");
-  double before = 0;
-  for (const char* dt : {"40 ms", "20 ms", "10 ms"}) {
-    const double error = norm(fall_through_wind(dt) - exact);
-    EXPECT_GT(error, 1e-11) << dt;  // m/s, above rounding
-    if (before > 0) {
-      EXPECT_LT(error, before / kFourthOrder) << dt << ": " << error << " after " << before;
+  for (const char* drag : {kByAerodynamics, kByLaws}) {
+    const Vec3 exact = fall_through_wind("0.625 ms", drag);
+    double before = 0;
+    for (const char* dt : {"40 ms", "20 ms", "10 ms"}) {
+      const double error = norm(fall_through_wind(dt, drag) - exact);
+      EXPECT_GT(error, 1e-11) << dt;  // m/s, above rounding
+      if (before > 0) {
+        EXPECT_LT(error, before / kFourthOrder) << dt << ": " << error << " after " << before << " " << drag;
+      }
+      before = error;
     }
-    before = error;
   }
 }
 
@@ -198,7 +210,8 @@ void expect_same_bits_when_logged(const std::string& text, const std::string& wh
 
 TEST(Corners, LoggingThemChangesNoBit) {
   for (const Pushed& by : kPushed) expect_same_bits_when_logged(push(by, "10 ms"), by.what);
-  expect_same_bits_when_logged(build_fall("10 ms"), "a fall through rows of the wind");
+  for (const char* drag : {kByAerodynamics, kByLaws})
+    expect_same_bits_when_logged(build_fall("10 ms", drag), "a fall through rows of the wind");
 }
 
 // A law that no force reads is not located, but the polynomial through its values does not pass its jump either.

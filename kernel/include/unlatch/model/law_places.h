@@ -28,7 +28,8 @@ std::vector<std::vector<int>> list_bodies_of_laws(const Model& model, Reading re
 // The laws that `law` reads, directly or through others, each behind those that it reads; `law` itself is the last.
 std::vector<int> list_laws_behind(const Model& model, int law);
 
-// True if a law of a valid model that some element reads has a table or a branch, at whose corners a step may be split.
+// True if a law of a valid model that some element reads has a table or a branch, or reads the air, or if the air acts
+// on a body: at such corners a step may be split.
 bool has_driving_corners(const Model& model);
 
 // Where the laws looked tables up at the end of the latest step.
