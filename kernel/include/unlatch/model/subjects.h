@@ -11,8 +11,8 @@ namespace unlatch {
 
 // What an element or a law names. Bodies of joints and surfaces are among the bodies; the ground is not.
 struct Subjects {
-  std::vector<int> bodies, laws, quantities, channels;
-  bool reads_speed = false;  // of an element: how fast its bodies move decides its force
+  std::vector<int> bodies, laws, quantities, channels;  // their indices
+  bool reads_speed = false;                             // of an element: how fast its bodies move decides its force
 };
 
 // Of each element, in the one numbering of all of them: bodies that it acts on or reads, laws and channels.
