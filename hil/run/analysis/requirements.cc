@@ -41,6 +41,16 @@ bool is_size(const Model& model, const Requirement& r) {
          quantity.direction.isZero();
 }
 
+// The quantity that is a law and that the requirement is on, itself or by a sensor's true value; null: none.
+const unlatch::Quantity* find_law(const Model& model, const Requirement& r) {
+  int quantity = kNone;
+  if (r.quantity == Measure::kQuantity) quantity = r.a;
+  if (r.quantity == Measure::kSensor && !r.received && model.sensors[at(r.a)].kind == Sensor::Kind::kQuantity)
+    quantity = model.sensors[at(r.a)].subject;
+  if (quantity == kNone || model.quantities[at(quantity)].kind != unlatch::Quantity::Kind::kLaw) return nullptr;
+  return &model.quantities[at(quantity)];
+}
+
 // Returns the component of a vector along a direction, or its size if the direction is zero.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
@@ -60,7 +70,7 @@ void set_margin(const Requirement& requirement, double value, double time, Verdi
 
 // --- The quantities -------------------------------------------------------------------------------------------------
 
-RequirementMonitor::RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances,
+RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& plan, const ClearanceHistory& clearances,
                                        const ContactHistory& contacts)
     : scenario_(scenario),
       clearances_(clearances),
@@ -77,6 +87,8 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
+    if (const unlatch::Quantity* const own = find_law(scenario.model, requirement))
+      track.law.emplace(scenario.model, plan, own->subject);
     if (quantity == Measure::kSensor && received_.empty())
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
@@ -198,11 +210,33 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
 // none.
 void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
   if (track.fresh) return;
+  const Take take = track.requirement->take;
+  if (track.law) {
+    track.law->finish(takes_low(take) ? &track.low : nullptr, takes_high(take) ? &track.high : nullptr);
+    return;
+  }
   track.low.finish([&](double time) { return calc_within(track, window, time); });
   track.high.finish([&](double time) { return -calc_within(track, window, time); });
 }
 
-void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to) {
+// Of a law, whose values between the knots are those of what it reads there.
+void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
+                                    std::span<const double> commands) const {
+  const Take take = track.requirement->take;
+  Smallest *const low = takes_low(take) ? &track.low : nullptr, *const high = takes_high(take) ? &track.high : nullptr;
+  const auto add = [&](const MotionKnot& knot, bool begins_here) {
+    track.law->add(knot.time, knot.quantities, commands, begins_here);
+    const double value = calc_sample(track, knot);
+    if (low != nullptr) low->take(knot.time, value);
+    if (high != nullptr) high->take(knot.time, -value);
+  };
+  if (begins) add(from, true);
+  add(to, false);
+  track.law->search(low, high);
+}
+
+void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
+                                   std::span<const double> commands) {
   window_ = &window;
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
@@ -227,6 +261,14 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
     const auto to_curve = [&](double value) { return is_size(scenario_.model, r) ? value * value : value; };
+    if (track.law) {
+      track.last = calc_at(track, to);
+      track.last_time = to.time;
+      track.has_last = true;
+      if (track.phase == Phase::kOpen) add_to_law(track, begins, from, to, commands);
+      track.fresh = false;
+      continue;
+    }
     if (is_sampled(r) && begins) track.curve.add(from.time, to_curve(start), true);
     track.last = start;
     track.has_last = true;

@@ -10,6 +10,7 @@
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/joint_frame.h"
+#include "hil/run/motion/law_curve.h"
 #include "hil/run/motion/motion_window.h"
 #include "hil/run/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"
@@ -33,12 +34,14 @@ struct Verdict {
 class RequirementMonitor {
  public:
   // Keeps references to all arguments.
-  RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances, const ContactHistory& contacts);
+  RequirementMonitor(const Scenario& scenario, const Plan& plan, const ClearanceHistory& clearances,
+                     const ContactHistory& contacts);
 
   // Adds events that acted at an instant; `before` and `after`: the knots around it.
   void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
-  // Adds the piece between these knots, to which the window and the clearances have already moved.
-  void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Adds the piece between these knots, with these commands, to which the window and the clearances have already moved.
+  void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
+                 std::span<const double> commands);
   // Adds the values of all sensors as flight software receives them, at the end of a tick; they hold until the next.
   void add_received(double time, std::span<const double> values);
   // Verdicts on the run so far, whose end is the end of the window.
@@ -59,6 +62,7 @@ class RequirementMonitor {
     Phase phase = Phase::kOpen;
     Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
+    std::optional<LawCurve> law;  // instead, of a quantity that is a law
     bool has_last = false, fresh = true;
     bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
@@ -72,6 +76,8 @@ class RequirementMonitor {
   [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;
   [[nodiscard]] double calc_within(const Track& track, const MotionWindow& window, double time) const;
   void finish(Track& track, const MotionWindow& window) const;
+  void add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
+                  std::span<const double> commands) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
   [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
   [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;

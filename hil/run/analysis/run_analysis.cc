@@ -14,7 +14,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       clearance_(scenario),
       contacts_(scenario, simulation, request.touches),
       peaks_(scenario.model.joints.size()),
-      requirements_(scenario, clearance_, contacts_),
+      requirements_(scenario, simulation.plan(), clearance_, contacts_),
       separations_(scenario, request.pushes),
       accuracy_(scenario, simulation, request.accuracy),
       unseen_clearances_(scenario),
@@ -78,7 +78,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       clearance_.add(window_);
       contacts_.add(window_, from, to);
       if (request_.reactions) peaks_.add(from, to, window_.is_smooth());
-      requirements_.add_piece(window_, from, to);
+      requirements_.add_piece(window_, from, to, simulation_.get_inputs());
       separations_.add_piece(window_, from, to);
       for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);

@@ -48,14 +48,14 @@ class Least {
   }
   // Searches an interval that has a neighbour on one side at most, if both ends descend into it.
   void look_into(double from, double at_from, double to, double at_to, double resolution, const TimeFunction& function);
+  // Searches between two times.
+  void search(double from, double to, const TimeFunction& function);
 
   [[nodiscard]] bool has_value() const { return value_ < std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double get_value() const { return value_; }
   [[nodiscard]] double get_time() const { return time_; }
 
  private:
-  void search(double from, double to, const TimeFunction& function);
-
   double value_ = std::numeric_limits<double>::infinity(), time_ = 0;
 };
 
@@ -71,6 +71,8 @@ class Smallest {
   void add(double time, double value);
   // Adds a value between knots.
   void take(double time, double value) { least_.take(time, value); }
+  // Searches between two times, where the function has one minimum.
+  void search(double from, double to, const TimeFunction& function) { least_.search(from, to, function); }
   // Searches the last interval.
   void finish(const TimeFunction& function);
 

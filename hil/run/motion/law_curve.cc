@@ -1,0 +1,106 @@
+#include "hil/run/motion/law_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/scenario/base/index.h"
+#include "unlatch/model/law_places.h"
+#include "unlatch/quantities.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr int kDeepest = 6, kMostEvaluations = 400;  // in an interval
+constexpr double kFlat = 1e-7;  // what bounds may promise below the known, relative to the law's size
+
+}  // namespace
+
+LawCurve::LawCurve(const Model& model, const Plan& plan, int law)
+    : law_(law), behind_(list_laws_behind(model, law)), courses_(model, plan), quantities_(model.quantities.size()) {
+  for (const int own : behind_)
+    for (const LawStep& step : model.laws[at(own)].steps) {
+      if (step.kind != LawStep::Kind::kQuantity) continue;
+      const unlatch::Quantity& quantity = model.quantities[at(step.subject)];
+      const bool is_known = std::ranges::any_of(read_, [&](const Read& read) { return read.quantity == step.subject; });
+      if (quantity.kind == unlatch::Quantity::Kind::kLaw || is_known) continue;
+      read_.push_back({.quantity = step.subject, .curve = {}, .is_angle = get_unit(model, quantity) == "rad"});
+    }
+}
+
+void LawCurve::add(double time, std::span<const double> quantities, std::span<const double> commands, bool begins) {
+  for (const Read& read : read_)
+    begins = begins || (read.is_angle && std::abs(quantities[at(read.quantity)] - read.latest) > std::numbers::pi);
+  for (Read& read : read_) {
+    read.latest = quantities[at(read.quantity)];
+    read.curve.add(time, read.latest, begins);
+  }
+  knots_ = begins ? 1 : std::min(knots_ + 1, 3);
+  std::swap(before_, latest_);
+  latest_.from = before_.to;
+  latest_.to = time;
+  latest_.commands.assign(commands.begin(), commands.end());
+}
+
+void LawCurve::search(Smallest* low, Smallest* high) {
+  if (knots_ < 3) return;
+  if (low != nullptr) search(before_, 1, *low);
+  if (high != nullptr) search(before_, -1, *high);
+}
+
+void LawCurve::finish(Smallest* low, Smallest* high) {
+  if (knots_ < 2) return;
+  if (low != nullptr) search(latest_, 1, *low);
+  if (high != nullptr) search(latest_, -1, *high);
+}
+
+// The law and its bounds from one time to another, what it reads being a parabola through the three instants.
+void LawCurve::update(const Interval& interval, double from, double to) {
+  const double middle = 0.5 * (from + to);
+  for (const Read& read : read_) {
+    Course& course = quantities_[at(read.quantity)];
+    course = {read.curve.calc(from), read.curve.calc(middle), read.curve.calc(to), 0, 0};
+    course.low = std::min({course.begin, course.middle, course.end});
+    course.high = std::max({course.begin, course.middle, course.end});
+    const double bend = 2 * (course.begin - 2 * course.middle + course.end), rise = course.end - course.begin;
+    const double top = bend == 0 ? 0 : 0.5 * (1 - rise / bend);
+    if (!(top > 0 && top < 1)) continue;
+    const double value = course.begin + top * (rise + bend * (top - 1));
+    course.low = std::min(course.low, value);
+    course.high = std::max(course.high, value);
+  }
+  courses_.update(behind_, interval.commands, quantities_);
+}
+
+double LawCurve::calc(const Interval& interval, double time) {
+  update(interval, time, time);
+  return courses_.get(law_).middle;
+}
+
+// Where the bounds still admit a smaller value at the last bisection, the part is searched by golden section.
+void LawCurve::look(const Interval& interval, double from, double to, double sign, int depth, Smallest& found) {
+  update(interval, from, to);
+  --left_;
+  const Course course = courses_.get(law_);
+  const double middle = 0.5 * (from + to);
+  found.take(middle, sign * course.middle);
+  const double bound = sign > 0 ? course.low : -course.high;
+  const double size = std::max({std::abs(course.begin), std::abs(course.middle), std::abs(course.end)});
+  if (bound >= found.get_value() - kFlat * size || left_ <= 0) return;
+  if (depth == kDeepest) {
+    found.search(from, to, [&](double time) {
+      --left_;
+      return sign * calc(interval, time);
+    });
+    return;
+  }
+  look(interval, from, middle, sign, depth + 1, found);
+  look(interval, middle, to, sign, depth + 1, found);
+}
+
+void LawCurve::search(const Interval& interval, double sign, Smallest& found) {
+  left_ = kMostEvaluations;
+  look(interval, interval.from, interval.to, sign, 0, found);
+}
+
+}  // namespace unlatch::hil

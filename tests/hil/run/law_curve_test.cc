@@ -1,0 +1,75 @@
+// Extremes of expressions within long steps, against closed forms.
+#include <cmath>
+
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test::law_curve_test {
+namespace {
+
+constexpr double kExact = 1e-8;     // m or 1, where the motion is exact: golden section to 1e-8 of 1/64 of the step
+constexpr double kLocated = 1e-6;   // s
+constexpr double kSpeed = 0.7;      // m/s
+constexpr double kCrossing = 0.61;  // s, between the ticks at 0.6 and 0.65 s
+
+// A ball that goes along x with a constant speed, through 0 at kCrossing, and along y with a constant acceleration.
+AnalysedRun fly(const std::string& expression, const std::string& limit) {
+  return AnalysedRun(R"(unlatch: 1
+name: pass
+step: {dt: 50 ms, until: 1.2}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], position: [-0.427, 0.3, 0], velocity: [0.7, -1, 0]}
+gravity: {uniform: [0, 1.6, 0]}
+quantities:
+  x: {position: ball, axis: x}
+  y: {position: ball, axis: y}
+  e: {expression: ")" +
+                     expression +
+                     R"("}
+events:
+  - {name: early, when: {time: 0.2}}
+  - {name: late, when: {time: 0.4}}
+requirements:
+  - {id: r, quantity: e, )" +
+                     limit + "}\n");
+}
+
+double get_y(double time) { return 0.3 - time + 0.8 * time * time; }
+
+TEST(LawCurve, ASizeThatComesToZeroWithinAStepIsZero) {
+  const hil::Verdict least = fly("abs(x) / (1 m)", "at_least: 0").judge("r");
+  EXPECT_NEAR(least.value, 0, kExact);
+  EXPECT_NEAR(least.time, kCrossing, kLocated);
+}
+
+TEST(LawCurve, TheGreaterOfTwoIsLeastWhereTheyMeet) {
+  // x = y: 0.8 t² − 1.7 t + 0.727 = 0
+  const double time = (1.7 - std::sqrt(1.7 * 1.7 - 4 * 0.8 * 0.727)) / 1.6;
+  const hil::Verdict least = fly("max(x, y) / (1 m)", "at_least: -1").judge("r");
+  EXPECT_NEAR(least.value, get_y(time), kExact);
+  EXPECT_NEAR(least.time, time, kLocated);
+}
+
+TEST(LawCurve, ADipShorterThanAStepIsFound) {
+  // 14 ms wide at its half
+  const hil::Verdict least = fly("1 - exp(-(x / (6 mm))^2)", "at_least: 0").judge("r");
+  EXPECT_NEAR(least.value, 0, kExact);
+  EXPECT_NEAR(least.time, kCrossing, kLocated);
+}
+
+TEST(LawCurve, APeakOfASmoothExpressionIsLocated) {
+  // y² is greatest at the start, and between them least where y vanishes: (1 ± √0.04) / 1.6
+  const hil::Verdict least = fly("(y / (1 m))^2", "at_least: 0").judge("r");
+  EXPECT_NEAR(least.value, 0, kExact);
+  const hil::Verdict most = fly("-(y / (1 m))^2 - 1", "at_most: 0").judge("r");
+  EXPECT_NEAR(most.value, -1, kExact);
+}
+
+TEST(LawCurve, NeitherKnotsNorDipsBesideItsIntervalCount) {
+  const AnalysedRun run = fly("abs(x) / (1 m)", "from: early, to: late, at_least: 0");
+  EXPECT_NEAR(run.judge("r").value, kSpeed * (kCrossing - 0.4), kExact);
+  const hil::Verdict peak = fly("abs(x) / (1 m)", "from: early, to: late, at_most: 1").judge("r");
+  EXPECT_NEAR(peak.value, kSpeed * (kCrossing - 0.2), kExact);
+}
+
+}  // namespace
+}  // namespace unlatch::test::law_curve_test
