@@ -11,8 +11,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr int kDeepest = 6, kMostEvaluations = 400;  // in an interval
-constexpr double kFlat = 1e-7;  // what bounds may promise below the known, relative to the law's size
+constexpr int kLastPart = 6, kMostEvaluations = 400;  // in an interval
+constexpr double kGain = 1e-7;  // what bounds may promise below the known, relative to the law's size
 
 }  // namespace
 
@@ -86,8 +86,8 @@ void LawCurve::look(const Interval& interval, double from, double to, double sig
   found.take(middle, sign * course.middle);
   const double bound = sign > 0 ? course.low : -course.high;
   const double size = std::max({std::abs(course.begin), std::abs(course.middle), std::abs(course.end)});
-  if (bound >= found.get_value() - kFlat * size || left_ <= 0) return;
-  if (depth == kDeepest) {
+  if (bound >= found.get_value() - kGain * size || left_ <= 0) return;
+  if (depth == kLastPart) {
     found.search(from, to, [&](double time) {
       --left_;
       return sign * calc(interval, time);
