@@ -256,7 +256,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       continue;
     }
     track.skips = false;
-    const bool begins = track.fresh || !window.is_smooth();
+    // What a law reads goes on smoothly through its corners.
+    const bool begins = track.fresh || !(track.law ? window.is_continuous() : window.is_smooth());
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);

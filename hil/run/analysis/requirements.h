@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/analysis/law_curve.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/joint_frame.h"
-#include "hil/run/motion/law_curve.h"
 #include "hil/run/motion/motion_window.h"
 #include "hil/run/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"

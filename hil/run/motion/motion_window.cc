@@ -79,8 +79,9 @@ void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   const auto same = [](const auto& a, const auto& b) {
     return a.size() == b.size() + 1 && std::memcmp(a.data(), b.data(), b.size() * sizeof(b[0])) == 0;
   };
-  smooth_ = begun_ && !corner_ && !from.corner && before.to == from.time && same(before.end, from.state.bodies) &&
-            same(before.at_end, from.accelerations);
+  continuous_ = begun_ && before.to == from.time && same(before.end, from.state.bodies) &&
+                same(before.at_end, from.accelerations);
+  smooth_ = continuous_ && !corner_ && !from.corner;
   begun_ = true;
   corner_ = to.corner;
   present_ = 1 - present_;

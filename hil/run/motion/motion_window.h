@@ -32,6 +32,9 @@ class MotionWindow {
 
   // True if the present piece continues the one before smoothly.
   [[nodiscard]] bool is_smooth() const { return smooth_; }
+  // True if it begins with the motion and the accelerations with which the one before ended; a law may have a corner
+  // there.
+  [[nodiscard]] bool is_continuous() const { return continuous_; }
   [[nodiscard]] const MotionPiece& get_previous() const { return pieces_[1 - present_]; }
   [[nodiscard]] const MotionPiece& get_present() const { return pieces_[present_]; }
   // State of a body at a time within the two pieces.
@@ -49,7 +52,7 @@ class MotionWindow {
   std::size_t next_ = 0;         // index into places_: the one written longest ago
   MotionPiece pieces_[2];
   int present_ = 0;
-  bool smooth_ = false, begun_ = false;
+  bool smooth_ = false, continuous_ = false, begun_ = false;
   bool corner_ = false;  // the present piece ends at a corner
 };
 

@@ -20,8 +20,8 @@ bodies:
   ball: {mass: 1, inertia: [1, 1, 1], position: [-0.427, 0.3, 0], velocity: [0.7, -1, 0]}
 gravity: {uniform: [0, 1.6, 0]}
 quantities:
-  x: {position: ball, axis: x}
-  y: {position: ball, axis: y}
+  x: {position: {body: ball, component: x}}
+  y: {position: {body: ball, component: y}}
   e: {expression: ")" +
                      expression +
                      R"("}

@@ -17,9 +17,10 @@ from browser import Browser
 from processes import HANG, SOURCE, main
 
 TRACKS = ["1. Run", "2. A scenario of your own", "3. Flight software of your own", "4. A campaign", "5. An element of your own"]
+# An empty question comes first: the search passes over one that equals the last.
 SEARCH = ("(() => { document.getElementById('__search').checked = true; const box = document.querySelector('[data-md-component=search-query]');"
-          " box.focus(); box.value = '%s'; box.dispatchEvent(new Event('input', { bubbles: true }));"
-          " box.dispatchEvent(new KeyboardEvent('keyup', { bubbles: true })); })()")
+          " box.focus(); for (const text of ['', '%s']) { box.value = text; box.dispatchEvent(new Event('input', { bubbles: true }));"
+          " box.dispatchEvent(new KeyboardEvent('keyup', { bubbles: true })); } })()")
 FOUND = "[...document.querySelectorAll('.md-search-result__link')].map((link) => link.href)"
 
 

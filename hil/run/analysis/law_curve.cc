@@ -1,4 +1,4 @@
-#include "hil/run/motion/law_curve.h"
+#include "hil/run/analysis/law_curve.h"
 
 #include <algorithm>
 #include <cmath>
