@@ -136,10 +136,13 @@ TEST(Separations, HalvesThatPartWhileTheirHingesHoldAreAPairWithTheWorkOfTheirSp
 TEST(Separations, BodiesThatOtherJointsStillHoldDirectlyHaveNotParted) {
   const AnalysedRun bolts(replace(kSpring, "ARM", "0"));
   EXPECT_EQ(bolts.analysis.list_separations().size(), 1u);
-  std::string text = replace(kHalves, "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}",
-                 "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: weld}");
-  text = replace(text, "follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}, free: {rows: []}}, mode: held}\n  zip",
-                 "follower_point: [0, 0, -1], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}\n  zip");
+  std::string text = replace(
+      kHalves, "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}",
+      "hinge1: {between: [ground, left], follower_point: [0, 0, -1], modes: {held: {kind: weld}");
+  text = replace(
+      text,
+      "follower_point: [0, 0, -1], modes: {held: {kind: revolute, axis: y}, free: {rows: []}}, mode: held}\n  zip",
+      "follower_point: [0, 0, -1], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}\n  zip");
   const AnalysedRun welded(text);
   const std::vector<hil::Separation> pairs = welded.analysis.list_separations();
   ASSERT_EQ(pairs.size(), 1u);

@@ -148,11 +148,10 @@ TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
 TEST(Executive, ARecordingHasTheSensorValuesThatFlightSoftwareReceivedWhereTheyAreOthers) {
   const std::string log = make_path("log");
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
-  hil::FaultInjector faults(
-      hil::load_faults_text("unlatch_faults: 1\nfaults:\n  - {stick: gyro.x, ticks: [10, 20]}\n"
-                            "  - {bias: {sensor: gyro.z, by: 0.5}, ticks: [40, 60]}\n",
-                            "faults.yaml", scenario),
-      3);
+  hil::FaultInjector faults(hil::load_faults_text("unlatch_faults: 1\nfaults:\n  - {stick: gyro.x, ticks: [10, 20]}\n"
+                                                  "  - {bias: {sensor: gyro.z, by: 0.5}, ticks: [40, 60]}\n",
+                                                  "faults.yaml", scenario),
+                            3);
   const SessionResult result = run_session(Pace::kLockstep, {}, log,
                                            {"bodies.core.rate=[0.3, 0.2, 0.1]", "bodies.pod.rate=[0.3, 0.2, 0.1]",
                                             "bodies.pod.velocity=[0, 0.2, -0.4]", "flight_software.timeout=10"},

@@ -174,8 +174,8 @@ void print_poles(std::FILE* out, const hil::LinearSystem& system) {
                  hil::write_short(drop_rounding(-pole.real() / size, 1e3)).c_str());
   }
   if (still > 0)
-    std::fprintf(out, "%s at 0, to %s /s: free motions\n",
-                 count(still, "pole").c_str(), hil::write_short(system.pole_rounding).c_str());
+    std::fprintf(out, "%s at 0, to %s /s: free motions\n", count(still, "pole").c_str(),
+                 hil::write_short(system.pole_rounding).c_str());
 }
 
 // In the order of the model; gains that are not distinct from 0 are left out.
@@ -203,7 +203,8 @@ void print_gains(std::FILE* out, const hil::LinearSystem& system) {
     }
   if (printed == 0) std::fprintf(out, "  none is distinct from 0\n");
   if (endless > 0)
-    std::fprintf(out, "  %s without end, since an input moves the output by a free motion\n", count(endless, "gain").c_str());
+    std::fprintf(out, "  %s without end, since an input moves the output by a free motion\n",
+                 count(endless, "gain").c_str());
   if (left > 0) std::fprintf(out, "  %s: --json\n", count(left, "further gain").c_str());
 }
 
