@@ -25,8 +25,8 @@ class LawCurve {
   // Adds a knot, in the order of time: the model's quantities there, and the commands since the knot before; `begins`:
   // it does not continue the curve before smoothly.
   void add(double time, std::span<const double> quantities, std::span<const double> commands, bool begins);
-  // Takes the smallest value in the interval before the latest one into `low`, and that of the negative into `high`: the
-  // knot behind the interval makes its polynomial better. Nothing where a curve begins.
+  // Takes the smallest value in the interval before the latest one into `low`, and that of the negative into `high`:
+  // the knot behind the interval makes its polynomial better. Nothing where a curve begins.
   void search(Smallest* low, Smallest* high);
   // Likewise between the latest two knots, where the curve ends.
   void finish(Smallest* low, Smallest* high);
