@@ -5,6 +5,7 @@
 #include "kernel/cost/measured.h"
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/events/limits.h"
+#include "kernel/integration/contact_stages.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/model/contact_substeps.h"
@@ -34,7 +35,8 @@ class CallCosts {
 // Parts of a plan that decide what is called at all.
 struct Features {
   bool rigid, loops, laws, contacts, angles, stage_angles, commanded;
-  double sweeps;  // solutions with friction, beside the first
+  double sweeps;        // solutions with friction, beside the first
+  double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
 };
 
 Features get_features(const PlanData& plan, const cost::Work& driven) {
@@ -45,7 +47,8 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .angles = plan.rotation_count > 0,
           .stage_angles = driven[cost::Unit::kAngleEights] > 0,
           .commanded = plan.commanded_loads || plan.commanded_events,
-          .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps};
+          .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
+          .contact_rows = driven[cost::Unit::kContactRows]};
 }
 
 enum class Place { kStage, kEnd };
@@ -151,12 +154,13 @@ class Rows {
     row.add(Primitive::kGuards);
     return row.repeat(limits_.follows ? "new commands at the beginning" : "evaluation at the beginning", 1);
   }
-  // RK4; ROS2 has two stages, and less of everything.
+  // RK4; ROS2 has two stages, and less of everything. ROS34PW2 has one more time of loads, and moves bodies itself.
   CostRow calc_stages() const {
     RowCost row = begin();
     row.add(Primitive::kIntegrate);
-    if (!features_.rigid) row.add_kinematics(3);
-    row.add_loads(2);
+    const bool implicit = features_.contact_rows > 0;
+    row.add_kinematics((features_.rigid ? 0 : 3) + (implicit ? ContactStages::kCount : 0));
+    row.add_loads(implicit ? 3 : 2);
     row.add_joints(3);
     row.add_dynamics(3, Place::kStage);
     row.add_motion(4);
@@ -202,6 +206,10 @@ class Rows {
     row.add(Primitive::kAct);
     row.add(Primitive::kStep);
     if (features_.contacts) row.add(Primitive::kParts);
+    if (features_.contact_rows > 0) {
+      row.add(Primitive::kContactRows);
+      row.add_solver(0, features_.contact_rows);
+    }
     return row.repeat("sub-steps", to_double(limits_.sub_steps));
   }
   CostRow calc_readings() const {

@@ -31,6 +31,7 @@ enum class Primitive : std::int32_t {
   kGuards,           // update_guards()
   kReadings,         // update_readings()
   kParts,            // choose_contact_parts()
+  kContactRows,      // begin_contact_rows()
   kSearch,           // advance_to_event(), per integration
   kStore,            // store_substep()
   kRearm,            // rearm(), calc_next_due()
@@ -41,9 +42,11 @@ enum class Primitive : std::int32_t {
 };
 inline constexpr std::size_t kPrimitives = static_cast<std::size_t>(Primitive::kCount);
 inline constexpr std::array<const char*, kPrimitives> kPrimitiveNames = {
-    "factor",       "solve",     "split",   "joints", "joint_velocities", "loop_joints", "kinematics", "motion",
-    "own_forces",   "forces",    "loads",   "laws",   "coordinates",      "angles",      "friction",   "evaluate",
-    "evaluate_end", "integrate", "impulse", "guards", "readings",         "parts",       "search",     "store",
-    "rearm",        "act",       "round",   "step"};
+    "factor",      "solve",        "split",        "joints",     "joint_velocities",
+    "loop_joints", "kinematics",   "motion",       "own_forces", "forces",
+    "loads",       "laws",         "coordinates",  "angles",     "friction",
+    "evaluate",    "evaluate_end", "integrate",    "impulse",    "guards",
+    "readings",    "parts",        "contact_rows", "search",     "store",
+    "rearm",       "act",          "round",        "step"};
 
 }  // namespace unlatch::cost

@@ -8,6 +8,7 @@
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/geometry/compiled_shape.h"
+#include "kernel/integration/contact_stages.h"
 #include "unlatch/quantities.h"
 #include "unlatch/redundancy.h"
 
@@ -94,7 +95,10 @@ const std::array<const char*, kUnits> kUnitNames = {
     "round pairs",
     "convex pairs",
     "hollow pairs",
-    "contacts whose parts may be implicit",
+    "contact rows",
+    "contact row pairs",
+    "contact row cubes",
+    "contact row bodies",
     "pairs of rigid contacts",
     "law steps",
     "law functions",
@@ -255,6 +259,16 @@ void count_coordinates(const PlanData& plan, Coordinates set, Work& work) {
 
 static_assert(kElementKinds == 8, "a new kind has a unit, which count_elements() counts");
 
+// Rows of the parts that are implicit in the forces of contacts.
+void count_contact_rows(const PlanData& plan, Work& work) {
+  if (!may_be_implicit(plan)) return;
+  const auto rows = static_cast<double>(kRowsPerPair * std::min(plan.contact_pairs.size(), kMostImplicitPairs));
+  work[Unit::kContactRows] = rows;
+  work[Unit::kContactRowPairs] = rows * rows;
+  work[Unit::kContactRowCubes] = rows * rows * rows;
+  work[Unit::kContactRowBodies] = rows * static_cast<double>(plan.bodies.size());
+}
+
 void count_elements(const PlanData& plan, Work& work) {
   count_loads(plan, work);
   const auto set = [&](Unit unit, std::size_t count) { work[unit] = static_cast<double>(count); };
@@ -269,8 +283,8 @@ void count_elements(const PlanData& plan, Work& work) {
   set(Unit::kCompliant, plan.compliant.size());
   set(Unit::kPlanetBodies, plan.environment.exists ? plan.bodies.size() : 0);
   set(Unit::kContacts, plan.contacts.size());
-  set(Unit::kImplicitContacts, may_be_implicit(plan) ? plan.contacts.size() : 0);
   set(Unit::kRigidContacts, at(plan.rigid_pairs));
+  count_contact_rows(plan, work);
   for (const PlanOneSided& own : plan.one_sided)
     if (own.count > 0)
       work[Unit::kOneSidedTables] += static_cast<double>(std::bit_width(static_cast<unsigned>(own.count)));

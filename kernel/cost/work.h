@@ -95,12 +95,16 @@ enum class Unit : std::int32_t {
   kUniversalAngles,
   kAngleEights,
   kPlanetBodies,
-  // pairs of shapes: both round; else convex; one hollow; those whose parts may be implicit; those of rigid contacts
+  // pairs of shapes: both round; else convex; one hollow; rows of those whose parts may be
+  // implicit, their pairs, and rows by bodies; pairs of rigid contacts
   kContacts,
   kRoundPairs,
   kConvexPairs,
   kHollowPairs,
-  kImplicitContacts,
+  kContactRows,
+  kContactRowPairs,
+  kContactRowCubes,
+  kContactRowBodies,
   kRigidContacts,
   // laws
   kLawSteps,

@@ -149,6 +149,9 @@ UNLATCH_WRAP(P::kParts, ContactParts, choose_contact_parts,
              "_ZN7unlatch20choose_contact_partsERKNS_8PlanDataERKNS_5StateEddRKNS_10EvaluationE",
              (const PlanData& plan, const State& state, double t, double rest, const Evaluation& ev),
              (plan, state, t, rest, ev))
+UNLATCH_WRAP(P::kContactRows, void, begin_contact_rows,
+             "_ZN7unlatch18begin_contact_rowsERKNS_7InstantERNS_10EvaluationERNS_11ContactRowsE",
+             (const Instant& now, Evaluation& ev, ContactRows& rows), (now, ev, rows))
 UNLATCH_WRAP(P::kStore, void, store_substep, "_ZN7unlatch13store_substepERKNS_8PlanDataERKNS_10EvaluationERNS_5StateE",
              (const PlanData& plan, const Evaluation& ev, State& state), (plan, ev, state))
 UNLATCH_WRAP(P::kRearm, void, rearm, "_ZN7unlatch5rearmERKNS_8PlanDataERNS_5StateERNS_10EvaluationE",
@@ -182,13 +185,13 @@ int wrap_integrate(const Instant& now, const SubstepStart& start, double end, Ev
   return real_integrate(now, start, end, ev);
 }
 
-UNLATCH_DECLARE(Reached, advance_to_event, "_ZN7unlatch16advance_to_eventERNS_3RunEddb",
-                (Run & run, double now, double target, bool may_split))
-Reached wrap_advance_to_event(Run& run, double now, double target, bool may_split) {
+UNLATCH_DECLARE(Reached, advance_to_event, "_ZN7unlatch16advance_to_eventERNS_3RunEddNS_8ContactsEb",
+                (Run & run, double now, double target, Contacts contacts, bool may_split))
+Reached wrap_advance_to_event(Run& run, double now, double target, Contacts contacts, bool may_split) {
   ++target::substeps;
   Within within(P::kSearch);
   const std::uint64_t before = target::integrations;
-  const Reached reached = real_advance_to_event(run, now, target, may_split);
+  const Reached reached = real_advance_to_event(run, now, target, contacts, may_split);
   within.divide(P::kSearch, target::integrations - before);
   return reached;
 }

@@ -78,6 +78,9 @@ class ProcessorInTheLoopTest(ProcessTest):
     def test_a_simulator_on_a_cortex_m7_flies_the_hashes_of_dds(self):
         self.check_simulator("mps2-an500", "dds")
 
+    def test_a_simulator_on_a_cortex_a53_flies_the_same_hashes(self):
+        self.check_simulator("cortex-a53")
+
     def test_a_simulator_on_riscv64_flies_the_same_hashes(self):
         self.check_simulator("riscv64")
 

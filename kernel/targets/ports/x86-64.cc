@@ -42,7 +42,7 @@ void finish(int code) {
 
 }  // namespace unlatch::target
 
-// A word, and sixteen bytes, wherever they lie.
+// A word, and sixteen bytes, wherever they lie: not with `auto`, which drops the alignment.
 typedef std::uint64_t Word __attribute__((aligned(1), may_alias));
 typedef char Part __attribute__((vector_size(16), aligned(1), may_alias));
 
@@ -54,8 +54,8 @@ extern "C" UNLATCH_NO_CALLS void* memcpy(void* to, const void* from, std::size_t
   auto* t = static_cast<char*>(to);
   const auto* f = static_cast<const char*>(from);
   for (; size >= 64; size -= 64, t += 64, f += 64) {
-    const auto* const all = reinterpret_cast<const Part*>(f);
-    auto* const out = reinterpret_cast<Part*>(t);
+    const Part* const all = reinterpret_cast<const Part*>(f);
+    Part* const out = reinterpret_cast<Part*>(t);
     const Part a = all[0], b = all[1], c = all[2], d = all[3];
     out[0] = a;
     out[1] = b;

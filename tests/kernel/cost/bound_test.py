@@ -56,7 +56,7 @@ def main():
                 if share > 1:
                     above += 1
                     print(f"{image.stem}: {integrations} integrations, {rounds} rounds: {count} instructions, bound {bound}")
-    print(f"{steps} steps, the largest {worst:.3f} of its bound, {above} above; {unmeasured} systems have no bound, since their contacts choose implicit parts")
+    print(f"{steps} steps, the largest {worst:.3f} of its bound, {above} above; {unmeasured} systems have no bound")
     return 1 if above or steps < SYSTEMS * TICKS / 2 else 0
 
 
