@@ -33,8 +33,7 @@ void complete_kinematics(const PlanData& plan, double t, KnotSide side, Evaluati
 void update_joint_velocities(const PlanData& plan, const State& state, Evaluation& ev) {
   get_kernels(plan).update_joint_velocities(plan, ev);
   if (!plan.rigid) update_marker_biases(plan, RowTarget::kAcceleration, ev);
-  if (!plan.non_tree_joints.empty())
-    update_non_tree_joints(plan, state, RowTarget::kAcceleration, JointSet::kAll, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, JointSet::kAll, ev);
 }
 
 // Frames of joints, and the right-hand sides of their rows.

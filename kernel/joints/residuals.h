@@ -7,8 +7,8 @@
 
 namespace unlatch {
 
-// All non-tree joints, or those that hold at least one row: in a stage nothing else reads a frame if no force is driven by
-// a coordinate (PlanData::driven_coordinates).
+// All non-tree joints, or those that hold at least one row: in a stage nothing else reads a frame if no force is driven
+// by a coordinate (PlanData::driven_coordinates).
 enum class JointSet { kAll, kHolding };
 
 // Frames of the non-tree joints and the right-hand sides of their rows, from the bodies' kinematics.
