@@ -10,6 +10,7 @@
 #include "kernel/elements/instant.h"
 #include "kernel/events/event_search.h"
 #include "kernel/integration/integrator.h"
+#include "kernel/joints/residuals.h"
 #include "kernel/targets/cost.h"
 #include "kernel/targets/port.h"
 #include "kernel/targets/text_line.h"
