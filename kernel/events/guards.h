@@ -14,4 +14,8 @@ namespace unlatch {
 //
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept;
 
+// True if the guards with which a step ends are those with which the next one begins, if that has the same commands: no
+// forces are evaluated anew for it, and no round of rigid contacts follows the latest guards.
+inline bool keeps_guards(const PlanData& plan) noexcept { return !plan.commanded_loads && plan.rigid_pairs == 0; }
+
 }  // namespace unlatch

@@ -17,80 +17,75 @@ struct Nearest {
   bool inside = false;
 };
 
-void take(Nearest& best, const Nearest& other) {
-  if (best.count == 0 || other.squared < best.squared) best = other;
+// Each try replaces `best` by the nearest point to the origin of a corner, edge, face or tetrahedron if that is nearer.
+bool is_nearer(const Nearest& best, double squared) { return best.count == 0 || squared < best.squared; }
+
+void try_point(const Vec3* w, int i, Nearest& best) {
+  const double squared = dot(w[i], w[i]);
+  if (!is_nearer(best, squared)) return;
+  best.v = w[i];
+  best.squared = squared;
+  best.index[0] = i;
+  best.weight[0] = 1;
+  best.count = 1;
 }
 
-Nearest of_point(const Vec3* w, int i) {
-  Nearest out;
-  out.v = w[i];
-  out.squared = dot(out.v, out.v);
-  out.index[0] = i;
-  out.weight[0] = 1;
-  out.count = 1;
-  return out;
-}
-
-Nearest of_segment(const Vec3* w, int i, int j) {
+void try_segment(const Vec3* w, int i, int j, Nearest& best) {
   const Vec3 e = w[j] - w[i];
   const double length = dot(e, e), t = -dot(w[i], e);
-  if (!(t > 0)) return of_point(w, i);
-  if (!(t < length)) return of_point(w, j);
-  Nearest out;
+  if (!(t > 0)) return try_point(w, i, best);
+  if (!(t < length)) return try_point(w, j, best);
   const double s = t / length;
-  out.v = w[i] + s * e;
-  out.squared = dot(out.v, out.v);
-  out.index[0] = i, out.index[1] = j;
-  out.weight[0] = 1 - s, out.weight[1] = s;
-  out.count = 2;
-  return out;
+  const Vec3 v = w[i] + s * e;
+  const double squared = dot(v, v);
+  if (!is_nearer(best, squared)) return;
+  best.v = v;
+  best.squared = squared;
+  best.index[0] = i, best.index[1] = j;
+  best.weight[0] = 1 - s, best.weight[1] = s;
+  best.count = 2;
 }
 
-Nearest of_triangle(const Vec3* w, int i, int j, int k) {
+void try_triangle(const Vec3* w, int i, int j, int k, Nearest& best) {
   const Vec3 a = w[i], b = w[j], c = w[k];
   const Vec3 n = cross(b - a, c - a);
   const double area = dot(n, n);
-  Nearest out;
+  double x = 0, y = 0, z = 0;  // without an area all edges are tried
   if (area > 0) {
     const Vec3 p = (dot(a, n) / area) * n;
     const Vec3 pa = a - p, pb = b - p, pc = c - p;
-    const double x = dot(cross(pb, pc), n), y = dot(cross(pc, pa), n), z = dot(cross(pa, pb), n);
+    x = dot(cross(pb, pc), n), y = dot(cross(pc, pa), n), z = dot(cross(pa, pb), n);
     if (x > 0 && y > 0 && z > 0) {
+      const double squared = dot(p, p);
+      if (!is_nearer(best, squared)) return;
       const double sum = (x + y) + z;
-      out.v = p;
-      out.squared = dot(p, p);
-      out.index[0] = i, out.index[1] = j, out.index[2] = k;
-      out.weight[0] = x / sum, out.weight[1] = y / sum, out.weight[2] = z / sum;
-      out.count = 3;
-      return out;
+      best.v = p;
+      best.squared = squared;
+      best.index[0] = i, best.index[1] = j, best.index[2] = k;
+      best.weight[0] = x / sum, best.weight[1] = y / sum, best.weight[2] = z / sum;
+      best.count = 3;
+      return;
     }
-    if (x <= 0) take(out, of_segment(w, j, k));
-    if (y <= 0) take(out, of_segment(w, k, i));
-    if (z <= 0) take(out, of_segment(w, i, j));
-    return out;
   }
-  take(out, of_segment(w, j, k));
-  take(out, of_segment(w, k, i));
-  take(out, of_segment(w, i, j));
-  return out;
+  if (x <= 0) try_segment(w, j, k, best);
+  if (y <= 0) try_segment(w, k, i, best);
+  if (z <= 0) try_segment(w, i, j, best);
 }
 
-Nearest of_tetrahedron(const Vec3* w) {
+void try_tetrahedron(const Vec3* w, Nearest& best) {
   const Vec3 &a = w[0], &b = w[1], &c = w[2], &d = w[3];
   // Volumes of the origin with each face, and of the whole.
   const double va = dot(b, cross(c, d)), vb = -dot(a, cross(c, d)), vc = dot(a, cross(b, d)), vd = -dot(a, cross(b, c));
   const double whole = dot(b - a, cross(c - a, d - a));
   const double sign = whole > 0 ? 1 : -1;
-  Nearest out;
   if (whole != 0 && va * sign > 0 && vb * sign > 0 && vc * sign > 0 && vd * sign > 0) {
-    out.inside = true;
-    return out;
+    best.inside = true;
+    return;
   }
-  if (whole == 0 || va * sign <= 0) take(out, of_triangle(w, 1, 2, 3));
-  if (whole == 0 || vb * sign <= 0) take(out, of_triangle(w, 0, 2, 3));
-  if (whole == 0 || vc * sign <= 0) take(out, of_triangle(w, 0, 1, 3));
-  if (whole == 0 || vd * sign <= 0) take(out, of_triangle(w, 0, 1, 2));
-  return out;
+  if (whole == 0 || va * sign <= 0) try_triangle(w, 1, 2, 3, best);
+  if (whole == 0 || vb * sign <= 0) try_triangle(w, 0, 2, 3, best);
+  if (whole == 0 || vc * sign <= 0) try_triangle(w, 0, 1, 3, best);
+  if (whole == 0 || vd * sign <= 0) try_triangle(w, 0, 1, 2, best);
 }
 
 // Keeps the corners of the nearest simplex, in its order.
@@ -118,8 +113,11 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
   g.wb[0] = calc_support(b, -towards);
   g.w[0] = g.wa[0] - g.wb[0];
   g.count = 1;
-  Nearest nearest = of_point(g.w, 0);
+  Nearest found[2];  // the latest, and the next try
+  int latest = 0;
+  try_point(g.w, 0, found[0]);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    const Nearest& nearest = found[latest];
     const Vec3 v = nearest.v;
     if (nearest.squared <= touching) {
       g.overlap = true;
@@ -132,9 +130,14 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
     if (known) break;
     g.w[g.count] = s, g.wa[g.count] = sa, g.wb[g.count] = sb;
     const int count = g.count + 1;
-    const Nearest next = count == 2   ? of_segment(g.w, 0, 1)
-                         : count == 3 ? of_triangle(g.w, 0, 1, 2)
-                                      : of_tetrahedron(g.w);
+    Nearest& next = found[1 - latest];
+    next.count = 0;
+    if (count == 2)
+      try_segment(g.w, 0, 1, next);
+    else if (count == 3)
+      try_triangle(g.w, 0, 1, 2, next);
+    else
+      try_tetrahedron(g.w, next);
     if (next.inside) {
       g.count = 4;
       g.overlap = true;
@@ -142,12 +145,12 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
     }
     if (!(next.squared < nearest.squared)) break;  // rounding
     keep(next, g);
-    nearest = next;
+    latest = 1 - latest;
   }
   g.a = g.b = {0, 0, 0};
   for (int i = 0; i < g.count; ++i) {
-    g.a += nearest.weight[i] * g.wa[i];
-    g.b += nearest.weight[i] * g.wb[i];
+    g.a += found[latest].weight[i] * g.wa[i];
+    g.b += found[latest].weight[i] * g.wb[i];
   }
   return g;
 }

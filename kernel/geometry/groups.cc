@@ -35,20 +35,53 @@ double calc_outside(double x, double half) {
   return out > 0 ? out : 0.0;
 }
 
-}  // namespace
+// The smaller shape's bounding sphere, as seen from the box about the other shape.
+struct FromBox {
+  const ShapeNumbers &a, &b, &boxed, &round;
+  const Placement& at_boxed;
+  Vec3 centre;   // W
+  Vec3 x, half;  // of its centre, in the box's axes; of the box
 
-double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
-                        const Placement& at_b) noexcept {
-  if (!std::isfinite(a.bound) || !std::isfinite(b.bound)) return -HUGE_VAL;
+  double calc_bound() const {
+    const Vec3 out{calc_outside(x.x, half.x), calc_outside(x.y, half.y), calc_outside(x.z, half.z)};
+    const double bound = (norm(out) - round.bound) - kRounding * ((norm(x) + a.bound) + b.bound);
+    return bound > 0 ? bound : -HUGE_VAL;
+  }
+};
+FromBox see_from_box(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b, const Placement& at_b) {
   const bool of_a = a.bound > b.bound;
   const ShapeNumbers &boxed = of_a ? a : b, &round = of_a ? b : a;
   const Placement &at_boxed = of_a ? at_a : at_b, &at_round = of_a ? at_b : at_a;
   const Vec3 centre = at_round.p_WB + at_round.R_WB * round.p_BS;
   const Vec3 in_body = transpose_times(at_boxed.R_WB, centre - at_boxed.p_WB) - boxed.p_BS;
-  const Vec3 x = transpose_times(boxed.R_BS, in_body), half = get_half_box(boxed);
-  const Vec3 out{calc_outside(x.x, half.x), calc_outside(x.y, half.y), calc_outside(x.z, half.z)};
-  const double bound = (norm(out) - round.bound) - kRounding * ((norm(x) + a.bound) + b.bound);
-  return bound > 0 ? bound : -HUGE_VAL;
+  return {a, b, boxed, round, at_boxed, centre, transpose_times(boxed.R_BS, in_body), get_half_box(boxed)};
+}
+
+}  // namespace
+
+double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
+                        const Placement& at_b) noexcept {
+  if (!std::isfinite(a.bound) || !std::isfinite(b.bound)) return -HUGE_VAL;
+  return see_from_box(a, at_a, b, at_b).calc_bound();
+}
+
+SphereBound calc_sphere_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
+                              const Placement& at_b) noexcept {
+  if (!std::isfinite(a.bound) || !std::isfinite(b.bound)) return {};
+  const FromBox seen = see_from_box(a, at_a, b, at_b);
+  SphereBound out{seen.calc_bound(), -HUGE_VAL, {0, 0, 0}, seen.centre, &seen.round == &b};
+  const auto try_axis = [&](double at, double own, const Vec3& axis) {
+    const double width = (std::fabs(at) - own) - seen.round.bound;
+    if (!(width > out.width)) return;
+    out.width = width;
+    out.normal = at < 0 ? -axis : axis;
+  };
+  const Mat3& axes = seen.boxed.R_BS;
+  try_axis(seen.x.x, seen.half.x, axes.x);
+  try_axis(seen.x.y, seen.half.y, axes.y);
+  try_axis(seen.x.z, seen.half.z, axes.z);
+  out.normal = seen.at_boxed.R_WB * out.normal;
+  return out;
 }
 
 Box build_box(const ShapeNumbers& shape, const Placement& at, const Vec3& origin) noexcept {

@@ -23,6 +23,17 @@ inline double calc_bound(const Vec3& between, double a, double b) {
 double calc_lower_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
                         const Placement& at_b) noexcept;
 
+// Likewise, with the widest slab across an axis of the box, on whose other side the sphere is. `of_b`: the sphere is
+// about B.
+struct SphereBound {
+  double distance = -HUGE_VAL;            // m, as calc_lower_bound()
+  double width = -HUGE_VAL;               // m, of the slab
+  Vec3 normal{0, 0, 0}, centre{0, 0, 0};  // W: from the box to the sphere; of the sphere, m
+  bool of_b = true;
+};
+SphereBound calc_sphere_bound(const ShapeNumbers& a, const Placement& at_a, const ShapeNumbers& b,
+                              const Placement& at_b) noexcept;
+
 // The box about a shape at its place.
 struct Box {
   Vec3 c{0, 0, 0};       // m, centre, from the pair's origin

@@ -33,7 +33,18 @@ void complete_kinematics(const PlanData& plan, double t, KnotSide side, Evaluati
 void update_joint_velocities(const PlanData& plan, const State& state, Evaluation& ev) {
   get_kernels(plan).update_joint_velocities(plan, ev);
   if (!plan.rigid) update_marker_biases(plan, RowTarget::kAcceleration, ev);
-  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, JointSet::kAll, ev);
+}
+
+// Frames of joints, and the right-hand sides of their rows.
+void update_joints(const PlanData& plan, const State& state, RowTarget target, JointSet joints, Evaluation& ev) {
+  get_kernels(plan).update_joints(plan, ev, target);
+  if (!plan.rigid) update_marker_biases(plan, target, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, target, joints, ev);
+}
+// Those that the stages and projections of a sub-step read.
+JointSet get_read_joints(const PlanData& plan) {
+  return plan.driven_coordinates > 0 ? JointSet::kAll : JointSet::kHolding;
 }
 
 // Gives redundant rows their part of the latest solution's multipliers.
@@ -95,7 +106,7 @@ enum class Loads { kUpdate, kKeep };
 int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
   complete_kinematics(now.plan, now.t, now.t > start.t ? KnotSide::kBefore : KnotSide::kAfter, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
-  update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
+  update_joints(now.plan, now.state, RowTarget::kAcceleration, get_read_joints(now.plan), ev);
   return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows,
                         start.rigid_rows, ev);
 }
@@ -105,7 +116,7 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   const PlanData& plan = end.plan;
   const Kernels& kernels = get_kernels(plan);
   complete_kinematics(plan, end.t, KnotSide::kAfter, ev);  // the next sub-step begins with this evaluation
-  update_joints(plan, end.state, RowTarget::kPosition, ev);
+  update_joints(plan, end.state, RowTarget::kPosition, get_read_joints(plan), ev);
   const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
   if (node != kNone) return node;
   if (const int failed = add_rigid_rows(end, RigidTarget::kPosition, kCorrection, start.rigid_rows, ev);
@@ -117,7 +128,7 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   // The velocities are projected with the new frames, but with the factor of the old ones. These differ by the
   // displacement, so that a part of the velocity residual is left that is as small as the drift of one sub-step.
   if (!plan.rigid) update_kinematics(plan, ev);
-  update_joints(plan, end.state, RowTarget::kVelocity, ev);
+  update_joints(plan, end.state, RowTarget::kVelocity, get_read_joints(plan), ev);
   kernels.solve(plan, ev, kCorrection);
   if (const int failed = add_rigid_rows(end, RigidTarget::kVelocity, kCorrection, start.rigid_rows, ev);
       failed != kNone)
@@ -226,9 +237,7 @@ void update_forces(const Instant& now, Evaluation& ev) noexcept {
 }
 
 void update_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept {
-  get_kernels(plan).update_joints(plan, ev, target);
-  if (!plan.rigid) update_marker_biases(plan, target, ev);
-  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, target, ev);
+  update_joints(plan, state, target, JointSet::kAll, ev);
 }
 
 int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {

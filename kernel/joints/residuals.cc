@@ -56,15 +56,21 @@ Spatial calc_target(const PlanData& plan, const State& state, const Evaluation& 
 
 }  // namespace
 
-void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept {
+void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget target, JointSet joints,
+                            Evaluation& ev) noexcept {
+  BodyFrame base{}, follower{};
+  std::int32_t of_base = kNone - 1, of_follower = of_base;  // whose these are: bolts in a row have the same two
   for (std::size_t i = 0; i < plan.non_tree_joints.size(); ++i) {
     const PlanNonTreeJoint& own = plan.non_tree_joints[i];
     const PlanJoint& joint = plan.joints[at(own.joint)];
-    const BodyFrame base = get_body_frame(ev, joint.base), follower = get_body_frame(ev, joint.follower);
+    const RowSet rows = get_active_rows(plan, state, own.joint);
+    if (joints == JointSet::kHolding && rows == 0) continue;
+    if (joint.base != of_base) base = get_body_frame(ev, of_base = joint.base);
+    if (joint.follower != of_follower) follower = get_body_frame(ev, of_follower = joint.follower);
     JointFrame& f = ev.non_tree_frames[i];
     f = calc_joint_frame(base, follower, own.point_base, own.point_follower, own.axes);
     f.m = base.R * own.rotation_axes;
-    f.crossed = is_crossed(joint, get_active_rows(plan, state, own.joint));
+    f.crossed = is_crossed(joint, rows);
     if (f.crossed) cross_axes(follower.R * own.follower_y, f);
   }
   for (const std::int32_t j : plan.loops) {

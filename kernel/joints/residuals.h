@@ -7,8 +7,13 @@
 
 namespace unlatch {
 
+// All non-tree joints, or those that hold at least one row: in a stage nothing else reads a frame if no force is driven
+// by a coordinate (PlanData::driven_coordinates).
+enum class JointSet { kAll, kHolding };
+
 // Frames of the non-tree joints and the right-hand sides of their rows, from the bodies' kinematics.
-void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept;
+void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget target, JointSet joints,
+                            Evaluation& ev) noexcept;
 
 // Axis `a` of the rotation frame as the follower carries it (follower axes), times its weight in the orientation
 // residual Σ a × carried: 1 where the two other rotation rows hold, ½ where all three do, 0 elsewhere.

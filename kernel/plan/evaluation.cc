@@ -112,6 +112,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
 
 void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
   lay_out(plan, arena, data.kept.evaluation);
+  arena.take(data.kept.commands, at(plan.channel_count));
   EventSearch& search = data.search;
   const std::size_t events = plan.events.size();
   for (std::span<double>* guards :

@@ -3,6 +3,7 @@
 // gives.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -291,12 +292,22 @@ struct Evaluation {
 // state, byte by byte; the bits are the same as from a new evaluation.
 struct FinalEvaluation {
   Evaluation evaluation;
-  State state;         // how far the step has got; between steps, its end, of which the outputs are
-  bool valid = false;  // between steps: all of `evaluation` is of `state`
+  State state;                 // how far the step has got; between steps, its end, of which the outputs are
+  std::span<double> commands;  // per channel: of the step that ended
+  bool valid = false;          // between steps: all of `evaluation` is of `state` and `commands`
 
   bool is_of(const State& other) const {
     const std::span<const std::byte> mine = state.get_bytes(), theirs = other.get_bytes();
     return valid && std::memcmp(theirs.data(), mine.data(), mine.size()) == 0;
+  }
+  bool has_commands(std::span<const double> other) const {
+    return other.size() == commands.size() &&
+           (other.empty() || std::memcmp(other.data(), commands.data(), other.size_bytes()) == 0);
+  }
+  // Now `evaluation` is of `state`, with these commands.
+  void keep(std::span<const double> latest) {
+    std::copy_n(latest.begin(), std::min(latest.size(), commands.size()), commands.begin());
+    valid = true;
   }
 };
 

@@ -103,7 +103,8 @@ class SideBySide {
     begin_ = plan_.get_time(state_.header->tick), end_ = plan_.get_time(state_.header->tick + 1);
     for (std::size_t m = 0; m < runs_.size(); ++m)
       stays_[m] = stays_[m] && runs_[m].state->header->tick == state_.header->tick;
-    if (!begin_evaluation(get_instant(begin_), differs ? Changed::kState : Changed::kCommands)) return false;
+    const bool repeated = !differs && kept_.has_commands(data_.commands);
+    if (!begin_evaluation(get_instant(begin_), differs ? Changed::kState : Changed::kCommands, repeated)) return false;
     rearm(plan_, state_, ev_);
     const bool stiff = is_stiff(plan_, state_, 0.5 * (begin_ + end_));
     for (std::size_t m = 0; m < runs_.size(); ++m)
@@ -112,10 +113,11 @@ class SideBySide {
     log_beginning();
     return true;
   }
-  bool begin_evaluation(const Instant& now, Changed changed) {
+  bool begin_evaluation(const Instant& now, Changed changed, bool repeated) {
     const bool evaluates = changed != Changed::kCommands || plan_.commanded_loads;
     if (evaluates && evaluate(now, changed, ev_) != kNone) return false;
-    if (evaluates || plan_.commanded_events) update_guards(now, ev_, search_.stack);
+    const bool kept = !evaluates && (!plan_.commanded_events || (repeated && keeps_guards(plan_)));
+    if (!kept) update_guards(now, ev_, search_.stack);
     return true;
   }
 
@@ -175,6 +177,7 @@ class SideBySide {
     rearm(plan_, state_, ev_);
     update_readings(end, ev_);
     ++state_.header->tick;
+    kept_.keep(data_.commands);
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
 

@@ -187,12 +187,12 @@ Readings get_first_readings(const Run& run, Changed changed) {
 }
 
 // The evaluation of the step's beginning with its inputs. If the kept one is of this state, only the commands are new,
-// and the plan says whether loads or events depend on them.
-bool begin_step(Run& run, const State& state, double begin, Changed changed) {
+// and the plan says whether loads or events depend on them. `repeated`: the commands are those of the kept one, too.
+bool begin_step(Run& run, const State& state, double begin, Changed changed, bool repeated) {
   const Instant now = run.get_instant(begin);
   if (changed == Changed::kCommands) {
     if (run.plan.commanded_loads && !run.check(evaluate(now, changed, run.ev()))) return false;
-    if (!run.plan.commanded_events) return true;
+    if (!run.plan.commanded_events || (repeated && keeps_guards(run.plan))) return true;
   } else {
     copy(state, run.state());
     if (!run.check(evaluate(now, changed, run.ev()))) return false;
@@ -233,6 +233,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   WorkspaceData& data = get_data(workspace);
   FinalEvaluation& kept = data.kept;
   const Changed changed = kept.is_of(state) ? Changed::kCommands : compare(kept, state);
+  const bool repeated = changed == Changed::kCommands && kept.has_commands(inputs.commands);
   kept.valid = false;  // until this step has ended well
   Run run{plan, inputs, data, log};
   if (log != nullptr) log->clear();
@@ -241,7 +242,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   run.search().corners = run.search().features = 0;
 
   // Events that the new inputs cause, and those that the last step postponed, act at once.
-  if (!begin_step(run, state, begin, changed)) return finish(run);
+  if (!begin_step(run, state, begin, changed, repeated)) return finish(run);
   rearm(plan, run.state(), run.ev());
   log_motion(run, begin, true, get_first_readings(run, changed));
   if (!act_at(run, begin, run.data.exact, Latest::kBegin)) return finish(run);
@@ -262,7 +263,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   ++run.state().header->tick;
   log_last(run, last, end);
   copy(run.state(), state);
-  kept.valid = true;
+  kept.keep(inputs.commands);
   return finish(run);
 }
 
@@ -277,7 +278,7 @@ StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& 
   update_guards(now, ev, get_data(workspace).search.stack);
   update_readings(now, ev);
   copy(state, kept.state);
-  kept.valid = true;
+  kept.keep(inputs.commands);
   return StepStatus::kOk;
 }
 

@@ -10,6 +10,7 @@
 #include "kernel/elements/instant.h"
 #include "kernel/events/event_search.h"
 #include "kernel/integration/integrator.h"
+#include "kernel/joints/residuals.h"
 #include "kernel/targets/cost.h"
 #include "kernel/targets/port.h"
 #include "kernel/targets/text_line.h"
@@ -117,9 +118,11 @@ constinit const Kernels* const wrap_tables[] = {&target::kWrapped, &target::kWra
     return real_##name arguments;                                            \
   }
 
-UNLATCH_WRAP(P::kLoopJoints, void, update_non_tree_joints,
-             "_ZN7unlatch22update_non_tree_jointsERKNS_8PlanDataERKNS_5StateENS_9RowTargetERNS_10EvaluationE",
-             (const PlanData& plan, const State& state, RowTarget target, Evaluation& ev), (plan, state, target, ev))
+UNLATCH_WRAP(
+    P::kLoopJoints, void, update_non_tree_joints,
+    "_ZN7unlatch22update_non_tree_jointsERKNS_8PlanDataERKNS_5StateENS_9RowTargetENS_8JointSetERNS_10EvaluationE",
+    (const PlanData& plan, const State& state, RowTarget target, JointSet joints, Evaluation& ev),
+    (plan, state, target, joints, ev))
 UNLATCH_WRAP(P::kForces, void, add_forces, "_ZN7unlatch10add_forcesERKNS_7InstantERNS_10EvaluationE",
              (const Instant& now, Evaluation& ev), (now, ev))
 UNLATCH_WRAP(P::kLoads, void, update_loads, "_ZN7unlatch12update_loadsERKNS_7InstantERNS_10EvaluationE",

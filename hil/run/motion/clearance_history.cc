@@ -270,26 +270,62 @@ double ClearanceHistory::calc_fastest(const MotionPiece& piece, std::size_t pair
   return calc_path(get(piece.start, piece.at_start), get(piece.end, piece.at_end), h) / h;
 }
 
+namespace {
+
+// Where a distance that is above 0 at `from` gets to 0, between the two (Illinois; M. Dowell, P. Jarratt, 1971).
+double find_zero(double from, double at_from, double to, double at_to, double tolerance, const TimeFunction& function) {
+  constexpr int kMost = 60;
+  int side = 0;  // of the end that was replaced last
+  for (int i = 0; i < kMost && to - from > tolerance && at_to < 0; ++i) {
+    const double secant = to - at_to * ((to - from) / (at_to - at_from));
+    const double time = secant > from && secant < to ? secant : 0.5 * (from + to);
+    const double value = function(time);
+    if (value > 0) {
+      from = time;
+      at_from = value;
+      if (side == -1) at_to *= 0.5;
+      side = -1;
+    } else {
+      to = time;
+      at_to = value;
+      if (side == 1) at_from *= 0.5;
+      side = 1;
+    }
+  }
+  return to;
+}
+
+}  // namespace
+
 // First zero in a piece: between its ends, or before the bottom of a dip between them. A distance may be positive again
 // behind a zero (a mesh has no inside), so that no bracket finds the first: from the beginning of the piece the time
-// advances by what the distance cannot use up (conservative advancement).
+// advances by what the distance cannot use up (conservative advancement). Shapes that slide along each other approach
+// far more slowly than they move; where distances have a sign, the rest is searched between the two.
 void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
                                   const TimeFunction& function) {
-  constexpr int kMostLooks = 400;   // of a distance that changes ten times as slowly as it may, to rounding
+  constexpr int kMostLooks = 400;  // of a distance that changes ten times as slowly as it may, to rounding
+  constexpr int kSignedLooks = 24;
   constexpr double kTouch = 1e-12;  // of the piece's length: times nearer than this are one
   const Smallest& whole = tracks_[pair].whole;
   if (now_[pair].touch || !(whole.get_value() <= 0)) return;
   const bool is_before = !crosses && whole.get_time() <= window.get_present().from;
   const MotionPiece& piece = is_before ? window.get_previous() : window.get_present();
   const double end = crosses ? piece.to : whole.get_time(), fastest = calc_fastest(piece, pair);
-  double time = piece.from;
-  for (int i = 0; i < kMostLooks && time < end; ++i) {
-    const double distance = function(time);
-    if (!(distance > 0)) break;
+  const bool has_sign = now_[pair].method == DistanceMethod::kExact;
+  double time = piece.from, distance = function(time);
+  bool found = !(distance > 0);
+  for (int i = 0; i < (has_sign ? kSignedLooks : kMostLooks) && !found; ++i) {
     const double advance = distance / fastest;
-    if (!(advance > kTouch * (piece.to - piece.from))) break;
+    found = !(advance > kTouch * (piece.to - piece.from));
+    if (found) break;
     time += advance;
+    found = !(time < end);
+    if (found) break;
+    distance = function(time);
+    found = !(distance > 0);
   }
+  if (!found && has_sign)
+    time = find_zero(time, distance, end, function(end), kTouch * (piece.to - piece.from), function);
   now_[pair].touch = std::min(time, end);
 }
 
@@ -321,7 +357,9 @@ void ClearanceHistory::add(const MotionWindow& window) {
       publish(i);
       continue;
     }
-    const double before = track.idle ? function(piece.from) : now_[i].now, value = function(piece.to);
+    const double before = track.idle ? function(piece.from) : now_[i].now;
+    const std::optional<double> end = dips_[i].calc_end(monitor_, piece);
+    const double value = end ? *end : function(piece.to);
     // Behind a piece that only just could be skipped, the search goes on as if it had not been.
     const bool resumes = track.idle && track.parted > 0 && window.is_smooth();
     const bool resumes_released = resumes && track.after_release && track.release_time <= window.get_previous().from;

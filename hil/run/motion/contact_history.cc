@@ -12,6 +12,10 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
+bool is_same(const State& a, const State& b) {
+  return std::memcmp(a.get_bytes().data(), b.get_bytes().data(), a.get_bytes().size()) == 0;
+}
+
 }  // namespace
 
 std::vector<std::pair<int, int>> list_contact_pairs(const Model& model, const Contact& contact) {
@@ -27,15 +31,30 @@ std::vector<std::pair<int, int>> list_contact_pairs(const Model& model, const Co
   return pairs;
 }
 
-ContactHistory::Scratch::Scratch(const Plan& plan)
+OwnState::OwnState(const Plan& plan)
     : block(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(block))) {}
+
+ContactReadings::ContactReadings(const Plan& plan) : plan_(plan), of_(plan) {}
+
+const ContactReading& ContactReadings::get(const State& state, int contact) {
+  const auto number = static_cast<std::size_t>(contact);
+  if (!is_same(state, of_.state)) {
+    copy(state, of_.state);
+    std::ranges::fill(readings_, std::nullopt);
+  }
+  if (readings_.size() <= number) readings_.resize(number + 1);
+  std::optional<ContactReading>& reading = readings_[number];
+  if (!reading) reading = calc_contact(plan_, state, contact);
+  return *reading;
+}
 
 ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simulation, bool touches)
     : scenario_(scenario),
       simulation_(simulation),
       touches_(touches),
       present_(simulation.plan()),
-      previous_(simulation.plan()) {
+      previous_(simulation.plan()),
+      readings_(simulation.plan()) {
   for (const Contact& contact : scenario.model.contacts) {
     tracks_.emplace_back().record.name = contact.name;
     pairs_.push_back(list_contact_pairs(scenario.model, contact));
@@ -149,23 +168,23 @@ void ContactHistory::add_bounce(Track& track, std::size_t contact, const MotionK
 }
 
 ContactReading ContactHistory::calc(const State& state, int contact) const {
-  return calc_contact(simulation_.plan(), state, contact);
+  return is_closed(state, static_cast<std::size_t>(contact)) ? readings_.get(state, contact) : ContactReading{};
 }
 
 double ContactHistory::calc(const State& state, int contact, Requirement::ContactValue value) const {
   using Value = Requirement::ContactValue;
-  const ContactTotals totals = get_contact_totals(simulation_.plan(), state, contact);
+  const auto get_totals = [&] { return get_contact_totals(simulation_.plan(), state, contact); };
   switch (value) {
     case Value::kForce:
       return calc(state, contact).normal;
     case Value::kDepth:
       return calc(state, contact).depth;
     case Value::kSlip:
-      return totals.slip;
+      return get_totals().slip;
     case Value::kImpulse:
-      return totals.impulse;
+      return get_totals().impulse;
     case Value::kDissipated:
-      return totals.dissipated;
+      return get_totals().dissipated;
   }
   return 0;
 }
@@ -173,7 +192,7 @@ double ContactHistory::calc(const State& state, int contact, Requirement::Contac
 ContactReading ContactHistory::calc(const MotionWindow& window, int contact, double time) const {
   const State& state = (time < window.get_present().from ? previous_ : present_).state;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) state.bodies[b] = window.calc_body(static_cast<int>(b), time);
-  return calc(state, contact);
+  return calc_contact(simulation_.plan(), state, contact);
 }
 
 void ContactHistory::finish(Track& track, int contact) const {

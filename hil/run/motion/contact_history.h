@@ -43,6 +43,25 @@ struct ContactRecord {
 // each of them those of the follower.
 std::vector<std::pair<int, int>> list_contact_pairs(const Model& model, const Contact& contact);
 
+// A state of a plan, with its memory.
+struct OwnState {
+  explicit OwnState(const Plan& plan);
+  std::vector<std::uint64_t> block;
+  State state;
+};
+
+// Contacts at the state that was asked for last, each computed once: several results are of one knot.
+class ContactReadings {
+ public:
+  explicit ContactReadings(const Plan& plan);
+  const ContactReading& get(const State& state, int contact);
+
+ private:
+  const Plan& plan_;
+  OwnState of_;
+  std::vector<std::optional<ContactReading>> readings_;  // by contact, as far as they were asked for
+};
+
 class ContactHistory {
  public:
   // `touches`: keep each touch, beside the whole.
@@ -86,13 +105,8 @@ class ContactHistory {
   std::vector<Track> tracks_;
   std::vector<std::vector<std::pair<int, int>>> pairs_;  // by contact: shapes of its surfaces
   const MotionWindow* window_ = nullptr;
-  // Scratch: states of the window's pieces, for which pairs are closed in them.
-  struct Scratch {
-    explicit Scratch(const Plan& plan);
-    std::vector<std::uint64_t> block;
-    State state;
-  };
-  mutable Scratch present_, previous_;
+  mutable OwnState present_, previous_;  // scratch: states of the window's pieces, for which pairs are closed in them
+  mutable ContactReadings readings_;     // of the knots
 };
 
 }  // namespace unlatch::hil

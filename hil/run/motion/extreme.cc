@@ -31,7 +31,6 @@ void Least::search(double from, double to, const TimeFunction& function) {
 
 void Least::look_into(double from, double at_from, double to, double at_to, double resolution,
                       const TimeFunction& function) {
-  constexpr double kNear = 1e-3;  // relative to the interval
   const double step = kNear * (to - from);
   if (!(step > 0) || !(function(from + step) < at_from - resolution) || !(function(to - step) < at_to - resolution))
     return;

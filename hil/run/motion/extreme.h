@@ -30,6 +30,9 @@ class TimeFunction {
 // shallower than `resolution` are numerical noise, and not searched.
 class Least {
  public:
+  // look_into() sees by the function so near to both ends, relative to the interval, whether it descends there.
+  static constexpr double kNear = 1e-3;
+
   void take(double time, double value) {
     if (!(value < value_)) return;
     value_ = value;

@@ -63,4 +63,8 @@ inline double calc_bend(const MotionPiece& piece, std::size_t from, std::size_t 
          0.25 * of_from.change * (norm(change) + of_seen.change * reach);
 }
 
+// Within so small a part of the piece next to either of its ends, 0.01 at most, it is this many times the bound and the
+// part: H1 ≤ 5 s 0.2, H2 ≤ s² / 2, s (1 − s) ≤ 4 s / 4, and what is small of the other end.
+inline double calc_bend_near_end(double bend, double part) { return 6 * part * bend; }
+
 }  // namespace unlatch::hil

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,7 @@ class ShapeDips::Memory {
     const std::size_t moving = (of_b_ ? of_b : of_a).size();
     for (Knot& knot : ends_) knot.extents.resize(moving);
     swept_.resize(moving);
+    for (std::vector<double>* numbers : {&change_, &way_, &far_}) numbers->resize(moving);
     for (const ShapePair& shapes : monitor.get_shape_pairs(pair)) {
       const geometry::ShapeGroup &one = of_a[shapes.a], &other = of_b[shapes.b];
       Of& of = of_.emplace_back();
@@ -82,20 +84,21 @@ class ShapeDips::Memory {
       // How exact a certified distance is, and the depth of an overlap (kernel/geometry/README.md).
       of.apart = 1e-9 * size_;
       of.overlap = of.apart + 2e-5 * (2 * (one.bound + other.bound));
+      convex_ = convex_ && shapes.convex;
     }
+    convex_ = convex_ && !of_.empty();
   }
 
   // Moves to a piece of motion, if it is another one.
   void move_on(const ClearanceMonitor& monitor, const MotionPiece& piece) {
-    const bool same =
-        known_ && piece.from == from_ && piece.to == to_ && is_at(piece.start, ends_[0]) && is_at(piece.end, ends_[1]);
-    if (same) return;
+    if (is_of(piece)) return;
     if (known_ && is_at(piece.start, ends_[1])) {
       std::swap(ends_[0], ends_[1]);
       for (Of& of : of_) of.slab[0] = of.slab[1], of.value[0] = of.value[1];
     } else {
       for (Of& of : of_) of.slab[0] = of.value[0] = kUnknown;
       place(monitor, piece.start, ends_[0]);
+      sorted_ = false;
     }
     for (Of& of : of_) of.slab[1] = of.value[1] = kUnknown;
     place(monitor, piece.end, ends_[1]);
@@ -114,29 +117,51 @@ class ShapeDips::Memory {
                    Vec3{std::max(begin.most.x, end.most.x), std::max(begin.most.y, end.most.y),
                         std::max(begin.most.z, end.most.z)} +
                        around};
+      change_[i] = std::max(calc_change(begin.least, end.least), calc_change(begin.most, end.most));
+      way_[i] += change_[i];
+      constexpr double kMostWay = 100;  // of the size: until then its rounding is small beside Of::apart
+      sorted_ = sorted_ && way_[i] < kMostWay * size_;
     }
+    tried_ = -kEver;
+  }
+  [[nodiscard]] bool is_of(const MotionPiece& piece) const {
+    return known_ && piece.from == from_ && piece.to == to_ && is_at(piece.start, ends_[0]) &&
+           is_at(piece.end, ends_[1]);
+  }
+
+  // Pairs of shapes, in order, without those whose boxes are so far apart within the piece that no distance of theirs
+  // is below `limit`. Far ones are found once, and their boxes' ways counted from then on.
+  const std::vector<std::size_t>& list_near(const std::vector<ShapePair>& pairs, double limit) {
+    if (sorted_ && is_far(limit)) return near_;
+    if (limit > tried_) sort(pairs, limit);
+    return is_far(limit) ? near_ : all_;
   }
 
   // True if the boxes about the two shapes, wherever they get, are so far apart.
   [[nodiscard]] bool is_beyond(std::size_t i, const ShapePair& shapes, double limit) const {
     const Extent &still = still_[of_b_ ? shapes.a : shapes.b], &moving = swept_[of_b_ ? shapes.b : shapes.a];
-    const Vec3 left = still.least - moving.most, right = moving.least - still.most;
-    return take_off(i, std::max({left.x, right.x, left.y, right.y, left.z, right.z})) >= limit;
+    return take_off(i, calc_gap(still, moving)) >= limit;
   }
 
   // True if the plane that parted the two lately keeps them so far apart.
   [[nodiscard]] bool is_parted(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, double limit) {
-    Of& of = of_[i];
-    if (!of.has_plane) return false;
-    for (const std::size_t end : {1U, 0U}) {
-      if (!is_known(of.slab[end])) {
-        const geometry::ShapeGroup& moving =
-            of_b_ ? monitor.get_shapes_b(pair_)[shapes.b] : monitor.get_shapes_a(pair_)[shapes.a];
-        of.slab[end] = -geometry::calc_reach(moving, ends_[end].seen, -of.normal) - of.still;
-      }
-      if (!(take_off(i, of.slab[end] - bend_) >= limit)) return false;
-    }
+    if (!of_[i].has_plane) return false;
+    for (const std::size_t end : {1U, 0U})
+      if (!(take_off(i, get_slab(monitor, i, shapes, end) - bend_) >= limit)) return false;
     return true;
+  }
+
+  // False only if that plane shows that the distance does not descend into the piece from one of its ends, so far as
+  // Least::look_into() sees. `at_from`, `at_to`: the distances there.
+  [[nodiscard]] bool may_dip(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, double at_from,
+                             double at_to, double resolution) {
+    if (!of_[i].has_plane) return true;
+    const double from = get_slab(monitor, i, shapes, 0), to = get_slab(monitor, i, shapes, 1), part = Least::kNear;
+    const auto descends = [&](double near, double far, double value) {
+      const double slab = ((1 - part) * near + part * far) - calc_bend_near_end(bend_, part);
+      return !(take_off(i, slab) >= value - resolution);
+    };
+    return descends(to, from, at_to) && descends(from, to, at_from);
   }
 
   // Distance at an end of the piece; of convex shapes, with a plane that parts them there.
@@ -155,9 +180,21 @@ class ShapeDips::Memory {
     of.slab[0] = of.slab[1] = kUnknown;
     return found.distance;
   }
+  // True if the boxes, or that plane, show that no distance below `limit` can be computed at the end of the piece.
+  [[nodiscard]] bool is_apart_at_end(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes,
+                                     double limit) {
+    if (is_known(of_[i].value[1])) return of_[i].value[1] >= limit;
+    const Extent &still = still_[of_b_ ? shapes.a : shapes.b], &moving = ends_[1].extents[of_b_ ? shapes.b : shapes.a];
+    return take_off(i, calc_gap(still, moving)) >= limit ||
+           (of_[i].has_plane && take_off(i, get_slab(monitor, i, shapes, 1)) >= limit);
+  }
   // Takes a distance at an end that is known already.
   void take_value(std::size_t i, std::size_t end, double value) { of_[i].value[end] = value; }
 
+  [[nodiscard]] bool is_convex() const { return convex_; }
+  // The pair of shapes that was nearest the last time.
+  [[nodiscard]] std::size_t get_nearest() const { return nearest_; }
+  void set_nearest(std::size_t i) { nearest_ = i; }
   [[nodiscard]] std::size_t get_pair() const { return pair_; }
   [[nodiscard]] std::size_t get_a() const { return a_; }
   [[nodiscard]] std::size_t get_b() const { return b_; }
@@ -193,6 +230,47 @@ class ShapeDips::Memory {
     const std::vector<geometry::ShapeGroup>& moving = of_b_ ? monitor.get_shapes_b(pair_) : monitor.get_shapes_a(pair_);
     for (std::size_t i = 0; i < moving.size(); ++i) knot.extents[i] = geometry::calc_extent(moving[i], knot.seen);
   }
+  // Width across the plane at an end, m.
+  double get_slab(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, std::size_t end) {
+    Of& of = of_[i];
+    if (is_known(of.slab[end])) return of.slab[end];
+    const geometry::ShapeGroup& moving =
+        of_b_ ? monitor.get_shapes_b(pair_)[shapes.b] : monitor.get_shapes_a(pair_)[shapes.a];
+    return of.slab[end] = -geometry::calc_reach(moving, ends_[end].seen, -of.normal) - of.still;
+  }
+  static double calc_change(const Vec3& a, const Vec3& b) {
+    return std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(b.z - a.z)});
+  }
+  // Width of the slab between two boxes, m.
+  static double calc_gap(const Extent& a, const Extent& b) {
+    const Vec3 left = a.least - b.most, right = b.least - a.most;
+    return std::max({left.x, right.x, left.y, right.y, left.z, right.z});
+  }
+  [[nodiscard]] bool is_far(double limit) const {
+    for (std::size_t s = 0; s < far_.size(); ++s)
+      if (!(far_[s] - way_[s] - bend_ >= limit)) return false;
+    return true;
+  }
+  // Far pairs are those whose boxes stay apart for some more pieces such as this.
+  void sort(const std::vector<ShapePair>& pairs, double limit) {
+    constexpr double kPieces = 16;
+    near_.clear();
+    all_.resize(pairs.size());
+    std::iota(all_.begin(), all_.end(), std::size_t{0});
+    std::fill(far_.begin(), far_.end(), kEver);
+    std::fill(way_.begin(), way_.end(), 0.0);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const std::size_t s = of_b_ ? pairs[i].b : pairs[i].a;
+      const double gap = calc_gap(still_[of_b_ ? pairs[i].a : pairs[i].b], ends_[1].extents[s]);
+      const double least = (gap - of_[i].apart) - change_[s];  // anywhere within this piece, but for its bend
+      if (gap > 0 && least > limit + kPieces * (change_[s] + bend_))
+        far_[s] = std::min(far_[s], least);
+      else
+        near_.push_back(i);
+    }
+    sorted_ = true;
+    tried_ = limit;
+  }
   // Least distance that may be computed, of a slab.
   [[nodiscard]] double take_off(std::size_t i, double slab) const {
     return slab - (slab > -of_[i].deep ? of_[i].apart : of_[i].overlap);
@@ -207,6 +285,14 @@ class ShapeDips::Memory {
   Knot ends_[2];
   std::vector<Extent> still_, swept_;
   std::vector<Of> of_;
+  // Of far pairs, by moving shape: change of its box within the piece, and its way since they were sorted out; the
+  // least of their bounds then, m.
+  std::vector<double> change_, way_, far_;
+  std::vector<std::size_t> near_, all_;
+  bool sorted_ = false;    // far pairs are known
+  double tried_ = -kEver;  // m, limit for which they were sorted out within this piece
+  bool convex_ = true;     // all shapes are
+  std::size_t nearest_ = 0;
 };
 
 ShapeDips::ShapeDips(const ClearanceMonitor& monitor, std::size_t pair, std::size_t a, std::size_t b, Skipping skipping)
@@ -220,12 +306,28 @@ bool ShapeDips::stays_above(const ClearanceMonitor& monitor, const MotionPiece& 
   const std::vector<ShapePair>& pairs = monitor.get_shape_pairs(memory.get_pair());
   if (skipping_ == Skipping::kOff || pairs.empty() || !(piece.to > piece.from)) return false;
   memory.move_on(monitor, piece);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  for (const std::size_t i : memory.list_near(pairs, limit)) {
     if (memory.is_beyond(i, pairs[i], limit) || memory.is_parted(monitor, i, pairs[i], limit)) continue;
     if (!pairs[i].convex || !(memory.calc_value(monitor, i, pairs[i], 1) >= limit)) return false;
     if (!memory.is_parted(monitor, i, pairs[i], limit)) return false;
   }
   return true;
+}
+
+std::optional<double> ShapeDips::calc_end(const ClearanceMonitor& monitor, const MotionPiece& piece) {
+  Memory& memory = *memory_;
+  const std::vector<ShapePair>& pairs = monitor.get_shape_pairs(memory.get_pair());
+  if (skipping_ == Skipping::kOff || !memory.is_convex() || !(piece.to > piece.from)) return {};
+  memory.move_on(monitor, piece);
+  std::size_t nearest = memory.get_nearest();
+  double least = memory.calc_value(monitor, nearest, pairs[nearest], 1);
+  for (const std::size_t i : memory.list_near(pairs, least)) {
+    if (i == nearest || memory.is_apart_at_end(monitor, i, pairs[i], least)) continue;
+    const double value = memory.calc_value(monitor, i, pairs[i], 1);
+    if (value < least) least = value, nearest = i;
+  }
+  memory.set_nearest(nearest);
+  return least;
 }
 
 std::optional<Dip> ShapeDips::find(const ClearanceMonitor& monitor, const MotionPiece& piece, const DipSearch& search) {
@@ -240,7 +342,7 @@ std::optional<Dip> ShapeDips::find(const ClearanceMonitor& monitor, const Motion
   constexpr double kShallow = 1e-8;  // of the pair's size
   const double threshold = search.limit - std::max(search.resolution, kShallow * monitor.get_size(memory.get_pair()));
   Least least;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  for (const std::size_t i : memory.list_near(pairs, skipping_ == Skipping::kOn ? threshold : kEver)) {
     const ShapePair& shapes = pairs[i];
     const double limit = std::min(threshold, least.get_value());
     const auto is_skipped = [&] {
@@ -258,6 +360,9 @@ std::optional<Dip> ShapeDips::find(const ClearanceMonitor& monitor, const Motion
     const auto function = [&](double time) {
       return monitor.calc_pair(shapes, place(memory.get_a(), time), place(memory.get_b(), time)).distance;
     };
+    if (shapes.convex && skipping_ == Skipping::kOn &&
+        !memory.may_dip(monitor, i, shapes, at_from, at_to, search.resolution))
+      continue;
     if (shapes.convex)
       least.look_into(piece.from, at_from, piece.to, at_to, search.resolution, function);
     else

@@ -42,6 +42,9 @@ class ShapeDips {
   // True only if no distance that the monitor computes within the piece is below `limit`, m.
   bool stays_above(const ClearanceMonitor& monitor, const MotionPiece& piece, double limit);
 
+  // Distance of the watched pair at the end of the piece, to the bit that of the monitor; of convex shapes alone.
+  std::optional<double> calc_end(const ClearanceMonitor& monitor, const MotionPiece& piece);
+
   // Least distance inside the piece of those pairs of shapes that dip there; empty if none is below the limit. Convex
   // shapes that move past each other steadily approach and then recede, so that a dip shows in the slopes at the ends
   // of the piece; other shapes are sampled.

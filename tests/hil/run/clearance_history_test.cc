@@ -141,6 +141,22 @@ TEST(ClearanceHistory, AGroupIsSearchedWithinStepsWhoseEndsDoNotShowItsDip) {
   EXPECT_NEAR(*found.touch, (0.05 - 0.015) / 10, kLocated);
 }
 
+// A ball that flies along a plate 200 times as fast as it comes down to it: within the step in which they touch it
+// moves by twice its size.
+TEST(ClearanceHistory, OfShapesThatSlideAlongEachOtherTheTouchIsLocated) {
+  const AnalysedRun run(R"(unlatch: 1
+name: sliding
+step: {dt: 10 ms, until: 0.06}
+ground: {shape: [{box: {centre: [0, 0, -0.5], size: [8, 4, 1]}}]}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], position: [-1, 0, 0.1045], velocity: [20, 0, -0.1], shape: [{sphere: {radius: 0.1}}]}
+clearance: all
+)");
+  const hil::Clearance& found = run.analysis.clearances().at(0);
+  ASSERT_TRUE(found.touch.has_value());
+  EXPECT_NEAR(*found.touch, 0.0045 / 0.1, kLocated);
+}
+
 // Groups of three shapes that fly past each other at a constant velocity: the smallest distance at steps in which the
 // bodies move by more than their size is that at steps a hundredth as long.
 TEST(ClearanceHistory, OfGroupsAtLongStepsIsThatAtShortOnes) {

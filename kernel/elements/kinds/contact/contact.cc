@@ -99,57 +99,95 @@ double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShap
   return bound > threshold + kMargin * calc_speed(a, at_a, b, at_b) * interval ? bound : -HUGE_VAL;
 }
 
-// The same of a pair of shapes, for touches. `way`: the distance that bodies may go.
-double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyFrame& base, const BodyFrame& follower,
-                      double way) {
-  const PlanContact& contact = plan.contacts[at(pair.contact)];
-  const geometry::ShapeNumbers& a = get_numbers(plan, plan.shapes[at(contact.base)], pair.base_shape);
-  const geometry::ShapeNumbers& b = get_numbers(plan, plan.shapes[at(contact.follower)], pair.follower_shape);
-  const double bound = geometry::calc_lower_bound(a, get_placement(base), b, get_placement(follower));
-  return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
+// Two bodies with shapes that may touch, and what all pairs of them share: how the follower turns relative to the base.
+struct TwoBodies {
+  MovingFrame base, follower;
+  Vec3 turn;                              // rad/s
+  double spin, turning;                   // rad/s; what a point at 1 m of a turn's axis gains, at most, m/s²
+  double carried_base, carried_follower;  // rad/s, of each body's own turn
+};
+TwoBodies relate(const MovingFrame& base, const MovingFrame& follower) {
+  TwoBodies out{base, follower, follower.frame.w - base.frame.w, 0, 0, norm(base.frame.w), norm(follower.frame.w)};
+  out.spin = norm(out.turn);
+  out.turning = norm(follower.acceleration.ang - base.acceleration.ang);
+  return out;
 }
 
 // How fast the slab between two shapes may narrow, or have narrowed before, m/s and m/s²: a slab that is fixed in one
-// of the bodies, across `n`, from A to B. `fixed`, `moving`: the two bodies; `centre`, `bound`: of the sphere about the
-// moving one's shape.
+// of the bodies, across `n`, from A to B. `of_follower`: the other body, which moves, is the follower; `centre`,
+// `bound`: of the sphere about its shape.
 struct Narrowing {
   double speed, increase;
 };
-Narrowing calc_narrowing(const MovingFrame& fixed, const MovingFrame& moving, const Vec3& n, const Vec3& centre,
-                         double bound) {
+Narrowing calc_narrowing(const TwoBodies& bodies, bool of_follower, const Vec3& n, const Vec3& centre, double bound) {
   const auto calc_motion = [&centre](const MovingFrame& body) {
     const Vec3 arm = centre - body.frame.p, turning = cross(body.frame.w, arm);
     return Spatial{(body.acceleration.lin + cross(body.acceleration.ang, arm)) + cross(body.frame.w, turning),
                    body.frame.v + turning};  // acceleration, velocity
   };
-  const Spatial of_fixed = calc_motion(fixed), of_moving = calc_motion(moving);
-  const Vec3 v = of_moving.ang - of_fixed.ang, a = of_moving.lin - of_fixed.lin;
-  const Vec3 turn = moving.frame.w - fixed.frame.w, turned = moving.acceleration.ang - fixed.acceleration.ang;
-  const double spin = norm(turn), carried = norm(fixed.frame.w);
-  return {std::abs(dot(n, v)) + bound * norm(cross(n, turn)),
-          std::abs(dot(n, a)) + bound * (norm(turned) + spin * (spin + 2 * carried)) + 2 * carried * norm(v)};
+  const Spatial of_base = calc_motion(bodies.base), of_other = calc_motion(bodies.follower);
+  const Vec3 v = of_other.ang - of_base.ang, a = of_other.lin - of_base.lin;
+  const double spin = bodies.spin, carried = of_follower ? bodies.carried_base : bodies.carried_follower;
+  return {std::abs(dot(n, v)) + bound * norm(cross(n, bodies.turn)),
+          std::abs(dot(n, a)) + bound * (bodies.turning + spin * (spin + 2 * carried)) + 2 * carried * norm(v)};
 }
 
-// Likewise by a plane between the shapes, which parts bodies that slide along each other: the widest slab between their
-// boxes; negative infinity if it may close within `interval`, or may have been closed so long ago: at the end of a
-// sub-step that tells whether the shapes touched and parted again within it.
-double calc_slab_bound(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
-                       const MovingFrame& follower, double interval) {
+// Two shapes of a pair at their places.
+struct PlacedPair {
+  const geometry::ShapeNumbers &a, &b;  // of the base, of the follower
+  double near;                          // m: within this a pair is computed in any case
+};
+PlacedPair get_placed(const PlanData& plan, const ContactPair& pair) {
   const PlanContact& contact = plan.contacts[at(pair.contact)];
   const geometry::ShapeNumbers& a = get_numbers(plan, plan.shapes[at(contact.base)], pair.base_shape);
   const geometry::ShapeNumbers& b = get_numbers(plan, plan.shapes[at(contact.follower)], pair.follower_shape);
-  const double near = kNear * (a.bound + b.bound);
-  if (!std::isfinite(near)) return -HUGE_VAL;
-  const Vec3 origin = base.frame.p;
-  const geometry::Box box_a = geometry::build_box(a, get_placement(base.frame), origin),
-                      box_b = geometry::build_box(b, get_placement(follower.frame), origin);
+  return {a, b, kNear * (a.bound + b.bound)};
+}
+
+// A slab that parts two shapes, fixed in the body of one of them.
+struct PartingSlab {
+  double width = -HUGE_VAL;  // m
+  Vec3 normal{0, 0, 0};      // from the fixed shape to the other, W
+  bool of_follower = true;   // the other is the follower's
+  Vec3 centre{0, 0, 0};      // of the sphere about the other, W
+  double bound = 0;          // m, its radius
+};
+
+// The widest slab between the boxes about the shapes.
+PartingSlab calc_slab(const PlacedPair& pair, const TwoBodies& bodies) {
+  const Vec3 origin = bodies.base.frame.p;
+  const geometry::Box box_a = geometry::build_box(pair.a, get_placement(bodies.base.frame), origin),
+                      box_b = geometry::build_box(pair.b, get_placement(bodies.follower.frame), origin);
   const geometry::Slab slab = geometry::calc_widest_slab(box_a, box_b);
-  if (!(slab.width > near)) return -HUGE_VAL;
-  const bool moves_b = b.bound <= a.bound;  // the smaller one turns less far
-  const Narrowing narrowing = moves_b ? calc_narrowing(base, follower, slab.normal, origin + box_b.c, b.bound)
-                                      : calc_narrowing(follower, base, -slab.normal, origin + box_a.c, a.bound);
-  const double way = kMargin * (narrowing.speed + 0.5 * narrowing.increase * interval) * interval;
-  return slab.width > near + way ? slab.width : -HUGE_VAL;
+  if (pair.b.bound <= pair.a.bound)
+    return {slab.width, slab.normal, true, origin + box_b.c, pair.b.bound};  // the smaller one turns less far
+  return {slab.width, -slab.normal, false, origin + box_a.c, pair.a.bound};
+}
+
+// Whether the slab stays open for `interval`, and was open for as long: at the end of a sub-step that tells whether the
+// shapes touched and parted again within it.
+bool stays_open(const PartingSlab& slab, double near, const TwoBodies& bodies, double interval) {
+  if (!(slab.width > near)) return false;
+  const Narrowing narrowing = calc_narrowing(bodies, slab.of_follower, slab.normal, slab.centre, slab.bound);
+  return slab.width > near + kMargin * (narrowing.speed + 0.5 * narrowing.increase * interval) * interval;
+}
+
+// Lower bound of the distance of a pair of shapes, for touches: by the sphere about one and the box about the other, or
+// by a plane between them, which parts bodies that slide along each other; negative infinity if they may touch.
+// `way`: the distance that bodies may go in the interval. Accelerations of markers are not known yet.
+double calc_far_bound(const PlanData& plan, const ContactPair& own, const TwoBodies& bodies, double way,
+                      double interval) {
+  const PlacedPair pair = get_placed(plan, own);
+  const geometry::Placement base = get_placement(bodies.base.frame), follower = get_placement(bodies.follower.frame);
+  const geometry::SphereBound sphere = geometry::calc_sphere_bound(pair.a, base, pair.b, follower);
+  if (sphere.distance > way + pair.near) return sphere.distance;
+  if (!plan.rigid || !std::isfinite(pair.near)) return -HUGE_VAL;
+  const geometry::ShapeNumbers& round = sphere.of_b ? pair.b : pair.a;
+  const PartingSlab slab{sphere.width, sphere.normal, sphere.of_b, sphere.centre, round.bound};
+  if (stays_open(slab, pair.near, bodies, interval)) return slab.width;
+  if (round.kind == geometry::ShapeKind::kSphere) return -HUGE_VAL;  // boxes part it no better
+  const PartingSlab boxes = calc_slab(pair, bodies);
+  return stays_open(boxes, pair.near, bodies, interval) ? boxes.width : -HUGE_VAL;
 }
 
 // Time until pairs are examined again: a part of the step if closed contacts cut it, else the step.
@@ -283,23 +321,21 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
     const bool still = body == kGround || !plan.rigid;
     return MovingFrame{get_body_frame(ev, body), still ? Spatial{} : ev.get_acceleration(body)};
   };
-  MovingFrame moving_base{}, moving_follower{};
+  TwoBodies bodies{};
   std::int32_t of_base = kNone - 1, of_follower = of_base;  // whose these are: mostly contacts in a row have the same
   for (const PlanContact& contact : plan.contacts) {
     if (calc_scale(now.state.elements[at(contact.element)], now.t) == 0) continue;
     const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
-    if (a.body != of_base) moving_base = get_moving(of_base = a.body);
-    if (b.body != of_follower) moving_follower = get_moving(of_follower = b.body);
-    const BodyFrame &base = moving_base.frame, &follower = moving_follower.frame;
+    if (a.body != of_base || b.body != of_follower)
+      bodies = relate(get_moving(of_base = a.body), get_moving(of_follower = b.body));
+    const BodyFrame &base = bodies.base.frame, &follower = bodies.follower.frame;
     const double all = calc_far_bound(a, base, b, follower, 0, plan.options.dt);
     const bool far = std::isfinite(all);
     const double way = far ? 0 : kMargin * calc_speed(a, base, b, follower) * interval;
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (now.state.contacts[i].closed != 0) continue;
       const ContactPair& pair = plan.contact_pairs[i];
-      double bound = far ? all : calc_far_bound(plan, pair, base, follower, way);
-      if (!std::isfinite(bound) && plan.rigid)  // accelerations of markers are not known yet
-        bound = calc_slab_bound(plan, pair, moving_base, moving_follower, interval);
+      const double bound = far ? all : calc_far_bound(plan, pair, bodies, way, interval);
       ev.pair_distances[i] = bound;
       ev.pair_rates[i] = 0;
       if (std::isfinite(bound)) continue;
