@@ -318,7 +318,9 @@ UNLATCH_API unlatch_status unlatch_calc_margins(unlatch_simulation* simulation, 
  * be null with `capacity` 0, to ask for the size, which never changes. The state fits a simulation of the same scenario
  * with the same overrides, also in another process. */
 UNLATCH_API unlatch_status unlatch_save(unlatch_simulation* simulation, void* buffer, size_t capacity, size_t* needed);
-/* Restores a saved state. Events, verdicts and clearances begin anew there. */
+/* Restores a saved state. Events, verdicts and clearances begin anew there. Where a simulation with UNLATCH_NOTICE or
+ * UNLATCH_JUDGE had saved it after something that the step did not resolve, all that follows is unresolved: the finding
+ * `start`. */
 UNLATCH_API unlatch_status unlatch_restore(unlatch_simulation* simulation, const void* buffer, size_t length);
 /* Returns to the state at which the simulation was loaded. */
 UNLATCH_API unlatch_status unlatch_reset(unlatch_simulation* simulation);
