@@ -157,7 +157,7 @@ int unlatch_participant_find(const unlatch_participant* p, int kind, const char*
 
 int unlatch_participant_command(unlatch_participant* p, int channel, double value) {
   unlatch_wire_command* command;
-  if (channel < 0 || p->command_count == UNLATCH_PARTICIPANT_COMMANDS) return -1;
+  if (p->command_count == UNLATCH_PARTICIPANT_COMMANDS) return -1;
   command = &p->commands[p->command_count++];
   command->session = p->hello.session;
   command->sequence = ++p->last_command;
@@ -166,7 +166,7 @@ int unlatch_participant_command(unlatch_participant* p, int channel, double valu
   command->value = value;
   command->participant = p->introduction.participant;
   command->channel = channel;
-  return 0;
+  return channel < 0 ? -1 : 0;
 }
 
 void unlatch_participant_answer(unlatch_participant* p) {

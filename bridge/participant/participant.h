@@ -79,7 +79,8 @@ void unlatch_participant_leave(unlatch_participant* p);
 
 /* Number of a channel, a sensor's value or a signal (UNLATCH_CATALOG_KIND_…) in this session; −1: there is none. */
 int unlatch_participant_find(const unlatch_participant* p, int kind, const char* name);
-/* A command for the tick of p->state, sent with the answer. 0; −1: too many, or no such channel. */
+/* A command for the tick of p->state, sent with the answer. 0; −1: too many, or no such channel. One for channel −1,
+ * which a misspelt name gives, is sent all the same: the simulator refuses it, and the session fails. */
 int unlatch_participant_command(unlatch_participant* p, int channel, double value);
 /* Answers p->state: its commands, then StepAck. */
 void unlatch_participant_answer(unlatch_participant* p);

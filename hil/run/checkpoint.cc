@@ -70,10 +70,11 @@ std::string explain_foreign(const LogHeader& checkpoint, const LogHeader& here) 
 }  // namespace
 
 void write_checkpoint(const std::string& path, const Scenario& scenario, const Simulation& simulation,
-                      std::int64_t last_tick) {
+                      std::int64_t last_tick, bool unresolved) {
   refuse_odd_target(path);
   LogHeader header = build_log_header(scenario, simulation, Pace::kFast, 0, last_tick);
   header.start = simulation.save();
+  header.begins_unresolved = unresolved || simulation.begins_unresolved();
   std::vector<std::uint8_t> bytes;
   encode(header, bytes);
 
@@ -97,7 +98,7 @@ void read_checkpoint(const std::string& path, const Scenario& scenario, Simulati
   const LogHeader here = build_log_header(scenario, simulation, Pace::kFast, 0, 0);
   const std::string foreign = explain_foreign(checkpoint, here);
   if (!foreign.empty()) throw LogError(path + ": " + foreign);
-  if (!simulation.restore(checkpoint.start)) {
+  if (!simulation.restore(checkpoint.start, checkpoint.begins_unresolved)) {
     throw LogError(path +
                    ": holds a state that this program's model cannot have; go on with the program that wrote it");
   }

@@ -76,7 +76,7 @@ std::unique_ptr<Simulation> build_recorded_simulation(const LogHeader& header, c
                                                       const std::string& name) {
   auto simulation = build_simulation(scenario);
   if (simulation->get_model_hash() == header.model_hash) {
-    if (header.start.empty() || simulation->restore(header.start)) return simulation;
+    if (header.start.empty() || simulation->restore(header.start, header.begins_unresolved)) return simulation;
     throw LogError(name +
                    ": begins at a state that this program's model cannot have; replay it with the program that " +
                    "recorded it");

@@ -50,6 +50,7 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
   header.scenario_text = scenario.text;
   header.overrides = scenario.overrides;
   if (header.first_tick > 0) header.start = simulation.save();
+  header.begins_unresolved = simulation.begins_unresolved();
   return header;
 }
 

@@ -33,7 +33,7 @@ Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::st
   scenario.overrides = std::move(overrides);
   KnownStructures own;
   ScenarioReader reader(scenario, sources, mistakes, structures != nullptr ? *structures : own, like);
-  for (const YamlError& unread : list_unread(root)) mistakes.add(unread.mark, unread.what(), unread.mend);
+  for (const YamlError& unread : list_unread_overrides(root)) mistakes.add(unread.mark, unread.what(), unread.mend);
   reader.read(root);
   if (record != nullptr) *record = reader.take_record();
   mistakes.throw_if_any();
@@ -69,6 +69,8 @@ Scenario read_files(Files files, const std::vector<std::string>& overrides, Know
   files.mistakes.keep_numbers();
   Scenario scenario = read_tree(files.root, files.sources, files.file, overrides, files.mistakes, structures);
   scenario.numbers = list_written_numbers(files.root, files.mistakes);
+  for (const std::string& name : list_unread_constants(files.root))
+    scenario.remarks.push_back({"constant '" + name + "'", "nothing reads it: its value changes nothing", "unread"});
   return scenario;
 }
 
@@ -355,8 +357,13 @@ void ScenarioReader::read_session_limits(const YamlNode& node) {
   const auto read = [&](const NumberKey& key, double fallback) { return read_bounded(map, key, fallback, mistakes_); };
   limits.lost = static_cast<int>(read(get_number_key("scenario.session_limits.lost"), limits.lost));
   limits.late = read(get_number_key("scenario.session_limits.late"), limits.late);
-  if (map.find("overruns") != nullptr)
-    limits.overruns = static_cast<int>(read(get_number_key("scenario.session_limits.overruns"), 0));
+  limits.refused = static_cast<int>(read(get_number_key("scenario.session_limits.refused"), limits.refused));
+  const auto read_optional = [&](const char* key, const NumberKey& number, std::optional<int>& limit) {
+    if (map.find(key) != nullptr) limit = static_cast<int>(read(number, 0));
+  };
+  read_optional("malformed", get_number_key("scenario.session_limits.malformed"), limits.malformed);
+  read_optional("unused", get_number_key("scenario.session_limits.unused"), limits.unused);
+  read_optional("overruns", get_number_key("scenario.session_limits.overruns"), limits.overruns);
   map.finish();
 }
 

@@ -37,9 +37,12 @@ struct FlightSoftware {
   Policy policy = Policy::kHold;
   // Most that a run may have to be passed; beyond it the run is failed, whatever its requirements say.
   struct Limits {
-    int lost = 0;                   // times that a required participant was lost
-    double late = 1;                // late commands, as a part of the run's ticks
-    std::optional<int> overruns{};  // ticks that ended after the next was due
+    int lost = 0;                    // times that a required participant was lost
+    double late = 1;                 // late commands, as a part of the run's ticks
+    int refused = 0;                 // commands of participants that were refused
+    std::optional<int> malformed{};  // messages that were none
+    std::optional<int> unused{};     // commands for ticks that the run did not reach
+    std::optional<int> overruns{};   // ticks that ended after the next was due
   } limits;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy

@@ -33,7 +33,8 @@ Engine::Engine(hil::RecordingReader recording, hil::Scenario scenario, const Loa
   if (simulation_->get_model_hash() != recording.header.model_hash)
     throw hil::LogError(recording.get_name() + ": was written by " + recording.header.program +
                         ", which compiles its scenario to another model; open it with that version");
-  if (!recording.header.start.empty() && !simulation_->restore(recording.header.start))
+  if (!recording.header.start.empty() &&
+      !simulation_->restore(recording.header.start, recording.header.begins_unresolved))
     throw hil::LogError(recording.get_name() + ": begins at a state that its model cannot have");
   begin_anew();
   replay_ = std::make_unique<ReplayFeed>(std::move(recording), *simulation_);

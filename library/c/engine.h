@@ -106,7 +106,9 @@ class Engine {
   void keep_events(const StepReport& report) noexcept;
   void record_inputs() noexcept;
   void close_recording(hil::LogEnd end);
-  unlatch_status restore_words(std::span<const std::uint64_t> words);
+  unlatch_status restore_words(std::span<const std::uint64_t> words, bool unresolved);
+  // The step has not resolved something of the run so far, or of the one that led to its first state.
+  bool is_unresolved() const;
   void begin_anew();
   // Notices of the run; null without UNLATCH_JUDGE and UNLATCH_NOTICE.
   [[nodiscard]] const hil::NoticeWatch* get_notices() const {

@@ -12,8 +12,8 @@ namespace {
 
 // Format of a saved state: these words, the model's hash, the words of Simulation::save(), and a CRC-64 of all before
 // it.
-constexpr std::uint64_t kSavedMark = 0x31657461745355ull;  // "USTate1"
-constexpr std::size_t kFrameWords = 3;
+constexpr std::uint64_t kSavedMark = 0x32657461745355ull;  // "USTate2"
+constexpr std::size_t kFrameWords = 4;                     // mark, model, whether it is unresolved; check
 
 std::uint64_t calc_check(std::span<const std::uint64_t> words) {
   return hil::calc_crc64({reinterpret_cast<const std::uint8_t*>(words.data()), words.size_bytes()});
@@ -112,7 +112,8 @@ unlatch_status Engine::save(void* buffer, std::size_t capacity, std::size_t* nee
     return fail(UNLATCH_ERROR_RANGE,
                 "a state takes " + hil::count(*needed, "byte") + ", the buffer has " + std::to_string(capacity));
   }
-  std::vector<std::uint64_t> words{kSavedMark, static_cast<std::uint64_t>(simulation_->get_model_hash())};
+  std::vector<std::uint64_t> words{kSavedMark, static_cast<std::uint64_t>(simulation_->get_model_hash()),
+                                   is_unresolved() ? 1u : 0u};
   const std::vector<std::uint64_t> saved = simulation_->save();
   words.insert(words.end(), saved.begin(), saved.end());
   words.push_back(calc_check(words));
@@ -132,18 +133,24 @@ unlatch_status Engine::restore(const void* buffer, std::size_t length) {
   if (words[1] != static_cast<std::uint64_t>(simulation_->get_model_hash()))
     return refuse("this is a state of another scenario, or of one with other overrides");
   if (words.back() != calc_check(all.first(all.size() - 1))) return refuse("this saved state is damaged");
-  return restore_words(all.subspan(2, initial_.size()));
+  return restore_words(all.subspan(3, initial_.size()), words[2] != 0);
 }
 
-unlatch_status Engine::restore_words(std::span<const std::uint64_t> words) {
-  if (!simulation_->restore(words)) return fail(UNLATCH_ERROR_STATE, "this is no state that the model can have");
+bool Engine::is_unresolved() const {
+  return simulation_->begins_unresolved() ||
+         (get_notices() != nullptr && !get_notices()->describe_unresolved().empty());
+}
+
+unlatch_status Engine::restore_words(std::span<const std::uint64_t> words, bool unresolved) {
+  if (!simulation_->restore(words, unresolved))
+    return fail(UNLATCH_ERROR_STATE, "this is no state that the model can have");
   begin_anew();
   return UNLATCH_OK;
 }
 
 unlatch_status Engine::reset() {
   if (const unlatch_status status = refuse_while_busy("resetting"); status != UNLATCH_OK) return status;
-  return restore_words(initial_);
+  return restore_words(initial_, false);
 }
 
 // --- Recordings -----------------------------------------------------------------------------------------------------
@@ -156,7 +163,10 @@ unlatch_status Engine::start_recording(const char* path) {
       hil::build_log_header(scenario_, *simulation_, hil::Pace::kFast, 0, std::max(end, simulation_->get_tick()));
   std::vector<std::uint64_t> now = simulation_->save();
   const bool begins = now == initial_;
-  if (!begins) header.start = std::move(now);
+  if (!begins) {
+    header.start = std::move(now);
+    header.begins_unresolved = is_unresolved();
+  }
   recording_ = std::make_unique<Recording>(path, header, *simulation_);
   recording_->record.state(hil::RunStatus::kRunning);
   recording_ended_ = false;

@@ -54,10 +54,12 @@ void* fmi2Instantiate(const char* name, int type, const char* token, const char*
 }
 void fmi2FreeInstance(void* pointer) { unlatch::fmi::free_instance(pointer); }
 
-Status fmi2SetupExperiment(void* pointer, int, double, double start, int, double) {
+Status fmi2SetupExperiment(void* pointer, int, double, double start, int stops, double stop) {
   return with(pointer, [&](Instance& instance) {
     if (instance.get_phase() != Phase::kInstantiated) return instance.refuse("setting up is not allowed now");
-    return start == 0 || instance.refuse("the start time of this FMU is 0");
+    if (start != 0) return instance.refuse("the start time of this FMU is 0");
+    if (stops != 0) instance.set_stop_time(stop);
+    return true;
   });
 }
 Status fmi2EnterInitializationMode(void* pointer) {

@@ -51,9 +51,10 @@ Status fmi3SetDebugLogging(void* instance, bool, std::size_t, const char* const*
   return with(instance, [](Instance&) { return true; });
 }
 
-Status fmi3EnterInitializationMode(void* pointer, bool, double, double start, bool, double) {
+Status fmi3EnterInitializationMode(void* pointer, bool, double, double start, bool stops, double stop) {
   return with(pointer, [&](Instance& instance) {
     if (start != 0) return instance.refuse("the start time of this FMU is 0");
+    if (stops) instance.set_stop_time(stop);
     return instance.move(Phase::kInstantiated, Phase::kInitialization, "entering initialization mode");
   });
 }

@@ -22,6 +22,8 @@ std::string read_file(const std::string& path) {
   return file ? text.str() : std::string();
 }
 
+constexpr const char* kOfRun = "run ";  // begins what is logged of the run, not of the scenario
+
 std::mutex table_mutex;
 std::map<void*, std::unique_ptr<Instance>>& get_table() {
   static std::map<void*, std::unique_ptr<Instance>> table;
@@ -107,13 +109,13 @@ void Instance::log_findings() {
   std::size_t count = 0;
   if (unlatch_get_findings(simulation_, &findings, &count) != UNLATCH_OK) return;
   for (const unlatch_finding& finding : std::span(findings, count)) {
+    warned_ = warned_ || finding.unresolved != 0;
     const std::string what = std::string(finding.name) + " " + finding.subject;
-    if (!logged_.insert((finding.of_run != 0 ? "run " : "scenario ") + what).second) continue;
+    if (!logged_.insert((finding.of_run != 0 ? kOfRun : "scenario ") + what).second) continue;
     std::string text = what + ": " + finding.text;
     if (finding.of_run != 0) text = "t = " + hil::write_number(finding.time) + " s: " + text;
     if (finding.unresolved != 0) text += "; results that depend on it are unresolved";
     if (log_) log_(kWarning, text.c_str());
-    warned_ = warned_ || finding.unresolved != 0;
   }
 }
 
@@ -141,6 +143,7 @@ bool Instance::terminate() {
 }
 
 bool Instance::reset() {
+  stop_time_ = std::numeric_limits<double>::infinity();
   inputs_set_.clear();
   if (parameters_ != starts_) {
     if (!load(starts_)) return false;
@@ -213,6 +216,8 @@ bool Instance::step(double time, double size, bool stops, bool& stopped) {
     return refuse("the step does not begin at the present time, or has a negative size");
   if (!(std::abs(end - std::round(end)) < kSameTime * std::max(1.0, end)))
     return refuse("the step is no whole number of the internal steps of " + hil::write_number(dt_) + " s");
+  if (end > stop_time_ / dt_ + kSameTime * std::max(1.0, end))
+    return refuse("the step ends after the stop time of " + hil::write_number(stop_time_) + " s");
   const auto ticks = static_cast<std::uint64_t>(std::llround(end) - tick);
   std::uint64_t done = 0;
   const unlatch_status status = unlatch_advance(simulation_, ticks, stops ? UNLATCH_STOP_AT_EVENTS : 0, &done);
@@ -247,6 +252,7 @@ bool Instance::restore(const std::byte* state, std::size_t size) {
     return false;
   }
   phase_ = static_cast<Phase>(state[size - 1]);
+  std::erase_if(logged_, [](const std::string& what) { return what.starts_with(kOfRun); });
   return true;
 }
 

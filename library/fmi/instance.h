@@ -1,11 +1,13 @@
 // One instance of the FMU, for both versions of FMI: the simulation, its variables, and the state machine of
 // co-simulation. Functions return false, with the reason in the importer's log, where the standard requires an error.
 // What `unlatch check` would report is logged at the end of the initialization, what a step does not resolve at that
-// step, each once. A call after which results are unresolved has the status "warning".
+// step, each once. From the first step on that leaves results unresolved every step has the status "warning", until an
+// earlier state is set.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -43,6 +45,8 @@ class Instance {
   [[nodiscard]] bool set(const std::uint32_t* references, std::size_t count, const double* values,
                          std::size_t value_count);
 
+  // Time beyond which no step may lead, s.
+  void set_stop_time(double time) { stop_time_ = time; }
   // Steps from `time` by `size` s, a whole number of ticks; to the tick in which an event acted if `stops`.
   [[nodiscard]] bool step(double time, double size, bool stops, bool& stopped);
   [[nodiscard]] double get_time() const;
@@ -51,7 +55,8 @@ class Instance {
   [[nodiscard]] bool restore(const std::byte* state, std::size_t size);
 
   bool refuse(const std::string& why) const;  // returns false
-  // Status of the present call, which has done what it was to do: kWarning if it has left results unresolved, else kOk.
+  // Status of the present call, which has done what it was to do: kWarning if it was a step, or the end of the
+  // initialization, and results are unresolved, else kOk.
   [[nodiscard]] Status take_status() { return std::exchange(warned_, false) ? kWarning : kOk; }
 
   bool event_mode = false, early_return = false;  // options of the importer; FMI 3
@@ -77,7 +82,8 @@ class Instance {
   double dt_ = 0;                               // s
   Phase phase_ = Phase::kInstantiated;
   std::set<std::string> logged_;  // findings
-  bool warned_ = false;           // in the present call
+  bool warned_ = false;           // the present call
+  double stop_time_ = std::numeric_limits<double>::infinity();
 };
 
 // Instance of a pointer from an importer; null if it is no valid instance.

@@ -41,8 +41,8 @@ enum {
   UNLATCH_EVENT = 1,             /* unlatch_advance() stopped after a tick in which events acted */
   UNLATCH_END = 2,               /* the recording that is replayed is at its end */
   UNLATCH_INTERRUPTED = 3,       /* unlatch_interrupt() was called */
-  UNLATCH_UNRESOLVED = 4,        /* of a sample: it ran to its end, but the step did not resolve something; its values
-                                    are no results */
+  UNLATCH_UNRESOLVED = 4,        /* of a sample of a batch with UNLATCH_JUDGE: it ran to its end, but the step did not
+                                    resolve something; its values are no results */
   UNLATCH_ERROR_ARGUMENT = -1,   /* a null pointer, an unknown number, a struct of no known size */
   UNLATCH_ERROR_HANDLE = -2,     /* a null, closed or foreign handle */
   UNLATCH_ERROR_BUSY = -3,       /* another thread is at work in this handle */
@@ -83,7 +83,8 @@ typedef struct unlatch_batch unlatch_batch;           /* many samples of a scena
 enum {
   /* Requirements are judged and clearances computed at each step. It costs several times the step, and allocates. */
   UNLATCH_JUDGE = 1,
-  /* What the step does not resolve is noticed, see unlatch_get_findings(); it allocates. UNLATCH_JUDGE does so too. */
+  /* What the step does not resolve is noticed, see unlatch_get_findings(); it allocates. UNLATCH_JUDGE does so too.
+   * Without either nobody looks: whatever the step gets wrong, calls return UNLATCH_OK. */
   UNLATCH_NOTICE = 2
 };
 
@@ -317,7 +318,9 @@ UNLATCH_API unlatch_status unlatch_calc_margins(unlatch_simulation* simulation, 
  * be null with `capacity` 0, to ask for the size, which never changes. The state fits a simulation of the same scenario
  * with the same overrides, also in another process. */
 UNLATCH_API unlatch_status unlatch_save(unlatch_simulation* simulation, void* buffer, size_t capacity, size_t* needed);
-/* Restores a saved state. Events, verdicts and clearances begin anew there. */
+/* Restores a saved state. Events, verdicts and clearances begin anew there. Where a simulation with UNLATCH_NOTICE or
+ * UNLATCH_JUDGE had saved it after something that the step did not resolve, all that follows is unresolved: the finding
+ * `start`. */
 UNLATCH_API unlatch_status unlatch_restore(unlatch_simulation* simulation, const void* buffer, size_t length);
 /* Returns to the state at which the simulation was loaded. */
 UNLATCH_API unlatch_status unlatch_reset(unlatch_simulation* simulation);
@@ -332,7 +335,8 @@ UNLATCH_API unlatch_status unlatch_stop_recording(unlatch_simulation* simulation
 /* --- Batches ------------------------------------------------------------------------------------------------------- */
 
 /* Opens a batch: samples of one scenario, each with its own overrides besides those of `options`. Channels keep their
- * initial values. UNLATCH_JUDGE gives verdicts. */
+ * initial values. UNLATCH_JUDGE gives verdicts. Without it nobody looks whether the step resolves a sample: its status
+ * is UNLATCH_OK then, however wrong its numbers are. With it such a sample has the status UNLATCH_UNRESOLVED. */
 UNLATCH_API unlatch_status unlatch_open_batch(const char* path, const unlatch_options* options, unlatch_batch** batch);
 UNLATCH_API unlatch_status unlatch_add_sample(unlatch_batch* batch, const char* const* overrides, size_t count);
 /* Runs all samples that have not been run, to `until` s, or for 0 to the end in the scenario, on `threads` threads, 0

@@ -536,16 +536,57 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
         self.assertEqual(fmu.step(0.0, 0.9)[0], OK)
         self.assertEqual(self.read_hash(fmu, REFERENCE), wanted)
 
-    def test_what_is_not_resolved_is_logged_once_and_makes_the_step_a_warning(self):
+    def test_what_is_not_resolved_is_logged_once_and_makes_this_and_all_later_steps_warnings(self):
         scenario = self.folder / "pulse.yaml"
         scenario.write_text(PULSE)
-        fmu = self.open(3, scenario)
-        self.assertEqual(fmu.begin(), OK)
+        for version in 2, 3:
+            fmu = self.open(version, scenario)
+            self.assertEqual(fmu.begin(), OK)
+            found = [fmu.step(0.1 * k, 0.1)[0] for k in range(20)]
+            first = found.index(WARNING)
+            self.assertIn(first, (10, 11))
+            self.assertEqual(found, [OK] * first + [WARNING] * (20 - first))
         self.assertEqual([m for m in fmu.messages if "step element 'pyro'" in m], fmu.messages[:1])
-        found = [fmu.step(0.1 * k, 0.1)[0] for k in range(20)]
-        self.assertEqual(found.count(WARNING), 1, fmu.messages)
-        self.assertEqual(found.count(OK), 19)
         self.assertEqual(len([m for m in fmu.messages if "profile pyro" in m and "unresolved" in m]), 1, fmu.messages)
+
+    # The pulse at 1 s is not resolved.
+    def test_a_restored_state_is_unresolved_as_it_was_when_it_was_kept(self):
+        scenario = self.folder / "pulse.yaml"
+        scenario.write_text(PULSE)
+        fmu, other = self.open(3, scenario), self.open(3, scenario)
+        self.assertEqual((fmu.begin(), other.begin()), (OK, OK))
+        states = []
+        for k in range(20):
+            if k in (5, 15):
+                states.append(c_void_p())
+                self.assertEqual(fmu.call("GetFMUState", byref(states[-1])), OK)
+            fmu.step(0.1 * k, 0.1)
+        before, behind = states
+        for _ in range(2):
+            self.assertEqual(fmu.call("SetFMUState", before), OK)
+            found = [fmu.step(0.5 + 0.1 * k, 0.1)[0] for k in range(10)]
+            self.assertEqual((found[0], found[-1]), (OK, WARNING))
+        size = c_size_t()
+        self.assertEqual(fmu.call("SerializedFMUStateSize", behind, byref(size)), OK)
+        kept, taken = (ctypes.c_ubyte * size.value)(), c_void_p()
+        self.assertEqual(fmu.call("SerializeFMUState", behind, kept, size), OK)
+        self.assertEqual(other.call("DeserializeFMUState", kept, size, byref(taken)), OK)
+        self.assertEqual(other.call("SetFMUState", taken), OK)
+        self.assertEqual(other.step(1.5, 0.1)[0], WARNING, other.messages)
+        self.assertIn("start", other.messages[-1])
+
+    def test_a_step_beyond_the_importers_stop_time_is_an_error(self):
+        for version in 2, 3:
+            fmu = self.open(version, REFERENCE)
+            if version == 3:
+                self.assertEqual(fmu.call("EnterInitializationMode", c_bool(False), c_double(0), c_double(0), c_bool(True), c_double(0.1)), OK)
+            else:
+                self.assertEqual(fmu.call("SetupExperiment", c_int(0), c_double(0), c_double(0), c_int(1), c_double(0.1)), OK)
+                self.assertEqual(fmu.call("EnterInitializationMode"), OK)
+            self.assertEqual(fmu.call("ExitInitializationMode"), OK)
+            self.assertEqual(fmu.step(0, 0.1)[0], OK, fmu.messages)
+            self.assertEqual(fmu.step(0.1, 0.1)[0], ERROR)
+        self.assertIn("after the stop time of 0.1 s", fmu.messages[-1])
 
     def test_overrides_are_inside_and_mistakes_are_told(self):
         file = self.folder / "heavy.fmu"

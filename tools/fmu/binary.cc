@@ -41,6 +41,8 @@ void Binary::check_version(const char* version, const std::string& major) const 
 void Binary::check(int status, const std::string& call) {
   static constexpr const char* kNames[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
   worst_ = std::max(worst_, status == kFmiDiscard || status < 0 || status > kFmiFatal ? int{kFmiError} : status);
+  if (status == kFmiWarning && warning_.empty())
+    warning_ = prefix_ + call + " returned " + prefix_ + "Warning" + quote_message();
   if (status == kFmiOk || status == kFmiWarning) return;
   const bool known = status >= 0 && status < static_cast<int>(std::size(kNames));
   throw FmuError(prefix_ + call + " returned " + (known ? prefix_ + kNames[status] : std::to_string(status)) +

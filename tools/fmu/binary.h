@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace unlatch::fmu {
@@ -33,6 +34,8 @@ class Binary {
   [[nodiscard]] bool may_free() const { return worst_ < kFmiFatal; }
 
   void keep_message(std::string message);
+  // The first warning since the latest call, "fmi2DoStep returned fmi2Warning; it logged: …", or empty.
+  [[nodiscard]] std::string take_warning() { return std::exchange(warning_, {}); }
   // "; it logged: …", or empty.
   [[nodiscard]] std::string quote_message() const;
 
@@ -43,6 +46,7 @@ class Binary {
   void* handle_ = nullptr;
   std::vector<std::string> missing_;
   std::string message_;  // the latest
+  std::string warning_;
   int worst_ = kFmiOk;
 };
 

@@ -19,6 +19,8 @@ class CoSimulation {
   virtual void set(const Variable& variable, double value) = 0;
   [[nodiscard]] virtual double get(const Variable& variable) = 0;
   virtual void step(double time, double size) = 0;  // s
+  // As Binary::take_warning().
+  [[nodiscard]] virtual std::string take_warning() = 0;
 };
 
 // `library`: the binary's path; `resources`: path of the folder of this name.

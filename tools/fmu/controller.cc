@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -136,17 +137,28 @@ class Controller final : public fsw::ControlLaw {
                      ", which is no sensor and no state (--map gives it another name)";
       } else if (variable.causality == Variable::Causality::kOutput) {
         const std::string name = get_name(variable);
-        const int channel = vehicle.find_channel(strip(name, {"channels.", "channel."}));
+        const std::string short_name = strip(name, {"channels.", "channel."});
+        const int channel = vehicle.find_channel(short_name);
+        const auto same = std::ranges::find(outputs_, channel, &Output::channel);
+        if (channel >= 0 && same != outputs_.end())
+          missing += (missing.empty() ? "" : ", ") + ("a channel of its own for output '" + variable.name) +
+                     "': it is mapped to '" + name + "', as is '" + same->variable->name + "'";
         if (channel >= 0) outputs_.push_back({&variable, channel, std::nullopt});
-        if (channel < 0 && names_.contains(variable.name) && name != kUnconnected)
-          missing += (missing.empty() ? "" : ", ") + ("output '" + variable.name) + "', mapped to '" + name +
-                     "', which is no channel";
+        const bool is_meant = names_.contains(variable.name) || short_name != name;
+        if (channel < 0 && is_meant && name != kUnconnected)
+          missing += (missing.empty() ? "" : ", ") + ("output '" + variable.name) + "', " +
+                     (name == variable.name ? "" : "mapped to '" + name + "', ") + "which is no channel";
       }
     }
     for (const auto* variable : list_used())
       if (variable->kind == Variable::Kind::kOther || variable->array)
         missing += (missing.empty() ? "" : ", ") + ("'" + variable->name) +
                    "' as a scalar of type Real (Float64) or Boolean, the types that can be mapped";
+    for (const auto* variable : list_used())
+      if (!variable->unit.empty() &&
+          std::ranges::find(description_.scaled_units, variable->unit) != description_.scaled_units.end())
+        missing += (missing.empty() ? "" : ", ") + ("'" + variable->name) + "' in SI: it is in '" + variable->unit +
+                   "', and values are not converted";
     if (outputs_.empty())
       missing += (missing.empty() ? "" : ", ") + std::string("an output that is called as a channel");
     if (!missing.empty()) return "for FMU " + file_ + ": " + missing;
@@ -166,6 +178,11 @@ class Controller final : public fsw::ControlLaw {
           } else {
             const double begin = static_cast<double>(time_ns_) * 1e-9;
             simulation_->step(begin, static_cast<double>(time_ns - time_ns_) * 1e-9);
+          }
+          if (const std::string warning = simulation_->take_warning(); !warning.empty() && !warned_) {
+            warned_ = true;
+            std::fprintf(stderr, "FMU %s at t = %.9g s: %s; further warnings of it are not shown\n", file_.c_str(),
+                         time, warning.c_str());
           }
           time_ns_ = time_ns;
           for (Output& output : outputs_) {
@@ -259,6 +276,7 @@ class Controller final : public fsw::ControlLaw {
   std::unique_ptr<CoSimulation> simulation_;
   std::vector<Input> inputs_;
   std::vector<Output> outputs_;
+  bool warned_ = false;        // a warning of the FMU was printed
   std::int64_t time_ns_ = -1;  // up to which it has come; −1: not initialized
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <string_view>
 
@@ -48,6 +50,17 @@ class Reader {
     } else if (depth_ == 2 && element == "CoSimulation") {
       is_co_simulation = true;
       description.identifier = find(attributes, "modelIdentifier");
+    } else if (depth_ == 3 && element == "Unit") {
+      unit_ = find(attributes, "name");
+    } else if (depth_ == 4 && element == "BaseUnit") {
+      const std::string factor = find(attributes, "factor"), offset = find(attributes, "offset");
+      const bool is_si = (factor.empty() || read_number(factor) == 1) && (offset.empty() || read_number(offset) == 0);
+      if (!is_si) description.scaled_units.push_back(unit_);
+    } else if ((depth_ == 3 && element == "SimpleType") || (depth_ == 3 && element.ends_with("Type"))) {
+      type_ = find(attributes, "name");
+      if (const std::string unit = find(attributes, "unit"); !unit.empty()) types_[type_] = unit;
+    } else if (depth_ == 4 && !in_variables_ && element == "Real") {
+      if (const std::string unit = find(attributes, "unit"); !unit.empty()) types_[type_] = unit;
     } else if (depth_ == 2 && element == "ModelVariables") {
       in_variables_ = true;
     } else if (in_variables_ && depth_ == 3) {
@@ -56,12 +69,14 @@ class Reader {
       Variable& variable = description.variables.back();
       if (description.version == 2 && variable.kind == Variable::Kind::kOther) variable.kind = get_kind(element);
       if (element == "Dimension") variable.array = true;
+      if (description.version == 2) read_unit(attributes, variable);
     }
   }
   void add_variable(std::string_view element, Attributes attributes) {
     Variable variable;
     variable.name = find(attributes, "name");
     if (description.version == 3) variable.kind = get_kind(element);
+    if (description.version == 3) read_unit(attributes, variable);
     const std::string causality = find(attributes, "causality");
     if (causality == "input") variable.causality = Variable::Causality::kInput;
     if (causality == "output") variable.causality = Variable::Causality::kOutput;
@@ -72,6 +87,17 @@ class Reader {
       failure = "variable '" + variable.name + "' has no name, or no valueReference that is a number";
     description.variables.push_back(std::move(variable));
   }
+  // Its own unit, or that of its declared type; types stand before variables.
+  void read_unit(Attributes attributes, Variable& variable) const {
+    variable.unit = find(attributes, "unit");
+    const auto type = types_.find(find(attributes, "declaredType"));
+    if (variable.unit.empty() && type != types_.end()) variable.unit = type->second;
+  }
+  static double read_number(const std::string& text) {
+    double value = std::nan("");
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
+  }
   static Variable::Kind get_kind(std::string_view element) {
     if (element == "Real" || element == "Float64") return Variable::Kind::kReal;
     return element == "Boolean" ? Variable::Kind::kBoolean : Variable::Kind::kOther;
@@ -79,6 +105,8 @@ class Reader {
 
   int depth_ = 0;
   bool in_variables_ = false;
+  std::string unit_, type_;                   // the latest
+  std::map<std::string, std::string> types_;  // units of types
 };
 
 }  // namespace

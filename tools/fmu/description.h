@@ -15,6 +15,7 @@ struct Variable {
   Kind kind = Kind::kOther;
   Causality causality = Causality::kOther;
   bool array = false;
+  std::string unit;  // its name; empty: none
 };
 
 struct Description {
@@ -22,6 +23,7 @@ struct Description {
   std::string token;       // guid, instantiationToken
   std::string identifier;  // of the binary; a C identifier
   std::vector<Variable> variables;
+  std::vector<std::string> scaled_units;  // names of units that are not those of SI, as their definitions say
 };
 
 // Throws FmuError.

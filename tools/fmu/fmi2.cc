@@ -88,6 +88,7 @@ class Fmi2 final : public CoSimulation {
     return value;
   }
   void step(double time, double size) override { binary_.check(step_(instance_, time, size, 1), "DoStep"); }
+  [[nodiscard]] std::string take_warning() override { return binary_.take_warning(); }
 
  private:
   Binary binary_;

@@ -77,6 +77,7 @@ class Fmi3 final : public CoSimulation {
     if (terminate) throw FmuError("fmi3DoStep asks to end the simulation" + binary_.quote_message());
     if (early) throw FmuError("fmi3DoStep returned early, which it was not allowed");
   }
+  [[nodiscard]] std::string take_warning() override { return binary_.take_warning(); }
 
  private:
   Binary binary_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/run/analysis/assemblies.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/quantities.h"
@@ -51,6 +52,39 @@ const unlatch::Quantity* find_law(const Model& model, const Requirement& r) {
   return &model.quantities[at(quantity)];
 }
 
+// Joint whose reaction it is, itself, as a quantity or as a sensor has it; none.
+int find_reaction(const Model& model, const Requirement& r) {
+  using Is = unlatch::Quantity::Kind;
+  if (r.quantity == Measure::kReaction) return r.a;
+  int quantity = r.quantity == Measure::kQuantity ? r.a : kNone;
+  if (r.quantity == Measure::kSensor) {
+    const Sensor& sensor = model.sensors[at(r.a)];
+    if (sensor.kind == Sensor::Kind::kReaction) return sensor.subject;
+    if (sensor.kind == Sensor::Kind::kQuantity) quantity = sensor.subject;
+  }
+  if (quantity == kNone) return kNone;
+  const unlatch::Quantity& of = model.quantities[at(quantity)];
+  const bool is_reaction = of.kind == Is::kReaction || of.kind == Is::kReactionForce || of.kind == Is::kReactionMoment;
+  return is_reaction ? of.subject : kNone;
+}
+
+// Change of a velocity at an event, relative to the largest of the assembly, beyond which it is a blow, not rounding.
+constexpr double kBlow = 1e-9, kStill = 1e-12;  // kStill: rounding of bodies at rest, m/s, rad/s
+
+// True if the velocity or the rate of one of these bodies has changed.
+bool has_jump(const std::vector<int>& bodies, const State& before, const State& after) {
+  double speed = 0, rate = 0, change = 0, turn = 0;
+  for (const int body : bodies) {
+    if (body == kGround) continue;
+    const auto &old = before.bodies[at(body)], &now = after.bodies[at(body)];
+    speed = std::max({speed, norm(old.v), norm(now.v)});
+    rate = std::max({rate, norm(old.w), norm(now.w)});
+    change = std::max(change, norm(now.v - old.v));
+    turn = std::max(turn, norm(now.w - old.w));
+  }
+  return change > kBlow * speed + kStill || turn > kBlow * rate + kStill;
+}
+
 // Returns the component of a vector along a direction, or its size if the direction is zero.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
@@ -93,6 +127,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& pla
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
     tracks_.push_back(std::move(track));
   }
@@ -186,7 +221,9 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
     if (r.is_of_events()) continue;
-    if (track.phase == Phase::kOpen && is_here(r.to)) {
+    const bool ends = track.phase == Phase::kOpen && is_here(r.to);
+    if (!ends) add_blow(track, before, after);
+    if (ends) {
       if (window_ != nullptr) finish(track, *window_);
       track.phase = Phase::kClosed;
     } else if (track.phase == Phase::kWaiting && is_here(r.at)) {
@@ -204,6 +241,15 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
       track.high.add(after.time, -track.last);
     }
   }
+}
+
+// A blow that changes the velocity of a body to which the joint leads, over joints that hold, passes through the joint.
+void RequirementMonitor::add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const {
+  if (track.reaction == kNone || std::isfinite(track.blow) || track.phase != Phase::kOpen) return;
+  const Joint& joint = scenario_.model.joints[at(track.reaction)];
+  const std::vector<int> bodies = Assemblies(scenario_.model, after.state).list(joint.follower);
+  const bool holds = std::ranges::find(bodies, joint.base) != bodies.end();
+  if (holds && has_jump(bodies, before.state, after.state)) track.blow = after.time;
 }
 
 // Searches the latest interval. Before the first one, and where the search goes on from a knot after a gap, there is
@@ -399,6 +445,7 @@ std::vector<Verdict> RequirementMonitor::judge(const MotionWindow& window) const
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     verdicts.push_back(judge(tracks_[i], window));
     verdicts.back().requirement = i;
+    if (tracks_[i].requirement->take != Take::kFinal) verdicts.back().blow = tracks_[i].blow;
   }
   return verdicts;
 }

@@ -2,6 +2,7 @@
 // "unresolved". Minima and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct Verdict {
   double value = 0, limit = 0;  // in the requirement's unit; the nearest limit
   double margin = 0;            // distance of the value from the limit, positive within it; below 0: not met
   double time = 0;              // time of the value, s
+  // Of a reaction: a blow in the interval, whose impulse in the joint is no force; infinity: none. s
+  double blow = std::numeric_limits<double>::infinity();
+  [[nodiscard]] bool leaves_out_blow() const { return blow < std::numeric_limits<double>::infinity(); }
   // Cause, if the value depends on something that the step did not resolve: then it is neither met nor missed.
   std::string unresolved;
   [[nodiscard]] bool is_resolved() const { return unresolved.empty(); }
@@ -57,8 +61,10 @@ class RequirementMonitor {
   struct Track {
     const Requirement* requirement = nullptr;
     std::optional<JointGeometry> joint;
-    int pair = -1;          // number of the clearance pair
-    std::size_t first = 0;  // index of a sensor's first value
+    int pair = -1;                                          // number of the clearance pair
+    int reaction = kNone;                                   // joint whose reaction it is; none
+    double blow = std::numeric_limits<double>::infinity();  // as Verdict::blow
+    std::size_t first = 0;                                  // index of a sensor's first value
     Phase phase = Phase::kOpen;
     Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
@@ -79,6 +85,7 @@ class RequirementMonitor {
   void add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
                   std::span<const double> commands) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
+  void add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const;
   [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
   [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;
 

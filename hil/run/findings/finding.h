@@ -8,7 +8,7 @@ namespace unlatch::hil {
 // A fact to check; the run follows the scenario all the same. `where`: a key of Scenario::marks, or empty.
 struct Finding {
   std::string name;  // branch, start, never, overlap, points, modes, direction, free_spring, inertia,
-                     // contact, friction, step, corner, law, loops, outputs, trivial
+                     // contact, friction, step, corner, law, loops, outputs, trivial, unread
   std::string where, text;
 };
 

@@ -100,6 +100,9 @@ void NoticeWatch::update(const StepReport& report) {
   watch_links(report);
   watch_bodies();
   if (!begun_) {
+    if (simulation_.begins_unresolved())
+      add("start", "", "it goes on from a state to which the step of an earlier run had not resolved the way",
+          list_all_bodies(scenario_.model));
     for (std::size_t b = 0; b < scenario_.model.bodies.size(); ++b) {
       const Body& body = scenario_.model.bodies[b];
       if (!body.flexible || body.flexible->frequencies.size() == 0) continue;

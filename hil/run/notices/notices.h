@@ -3,6 +3,7 @@
 // kernel/THEORY.md, 8. Those marked * make the results that depend on the subject's bodies unresolved
 // (audit/unresolved_bodies.h): they are no results.
 //
+//   start*     the run goes on from a state of a run that was unresolved
 //   rotation*  |w|·dt of a body beyond kAccurate
 //   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one, as
 //              of a mode, it is a notice only

@@ -25,6 +25,8 @@ bool get(ByteReader& in, std::vector<LogReceived>& list) {
   return true;
 }
 
+constexpr std::uint32_t kHasReceived = 1, kBeginsUnresolved = 2;
+
 }  // namespace
 
 void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
@@ -45,7 +47,7 @@ void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
   for (const std::string& text : record.overrides) out.put_text(text);
   out.put_u32(static_cast<std::uint32_t>(record.start.size()));
   for (const std::uint64_t word : record.start) out.put_i64(static_cast<std::int64_t>(word));
-  out.put_u32(record.has_received ? 1 : 0);
+  out.put_u32((record.has_received ? kHasReceived : 0) | (record.begins_unresolved ? kBeginsUnresolved : 0));
 }
 
 bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
@@ -71,8 +73,10 @@ bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
   record.start.clear();
   if (record.overrides.size() != count || in.get_remaining() != 8 * words + 4) return false;
   for (std::size_t i = 0; i < words; ++i) record.start.push_back(static_cast<std::uint64_t>(in.get_i64()));
-  record.has_received = in.get_u32() != 0;
-  return in.is_complete();
+  const std::uint32_t flags = in.get_u32();
+  record.has_received = (flags & kHasReceived) != 0;
+  record.begins_unresolved = (flags & kBeginsUnresolved) != 0;
+  return in.is_complete() && flags <= (kHasReceived | kBeginsUnresolved);
 }
 
 void encode(const LogTick& record, std::vector<std::uint8_t>& to) {

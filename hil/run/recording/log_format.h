@@ -29,7 +29,7 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kLogVersion = 6;
+inline constexpr std::int32_t kLogVersion = 7;
 inline constexpr std::string_view kHeaderChannel = "UNLATCH_LOG_HEADER";
 inline constexpr std::string_view kCheckpointChannel = "UNLATCH_LOG_CHECKPOINT";
 inline constexpr std::string_view kTickChannel = "UNLATCH_LOG_TICK";
@@ -51,6 +51,7 @@ struct LogHeader {
   std::string scenario_text;
   std::vector<std::string> overrides;  // PATH=VALUE, in order
   std::vector<std::uint64_t> start;    // Simulation::save() at first_tick; empty: the model's initial state
+  bool begins_unresolved = false;      // the step had not resolved the run that led to `start`
   bool has_received = false;           // sensor values as flight software received them are recorded
 };
 

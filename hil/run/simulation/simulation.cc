@@ -132,7 +132,7 @@ std::vector<std::uint64_t> Simulation::save() const {
   return words;
 }
 
-bool Simulation::restore(std::span<const std::uint64_t> saved) {
+bool Simulation::restore(std::span<const std::uint64_t> saved, bool unresolved) {
   const std::size_t block = state_.get_bytes().size(), words = block / sizeof(std::uint64_t);
   const std::size_t inputs = 2 * channels_.size();
   if (saved.size() != words + inputs + held_.get_sensors().size() + held_.get_memory().size()) return false;
@@ -146,7 +146,10 @@ bool Simulation::restore(std::span<const std::uint64_t> saved) {
     return false;
 
   const std::vector<std::uint64_t> before = save();
-  if (take(saved)) return true;
+  if (take(saved)) {
+    begins_unresolved_ = unresolved;
+    return true;
+  }
   (void)take(before);  // succeeded before
   return false;
 }

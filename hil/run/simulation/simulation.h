@@ -53,8 +53,10 @@ class Simulation {
   // All data that decide the rest of the run, as 8-byte words: the state block; the channels' values, commanded and
   // held; the sensor values held. Allocates.
   [[nodiscard]] std::vector<std::uint64_t> save() const;
-  // Restores the result of save(). False, and nothing changed, if it is not of this plan. Allocates.
-  [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
+  // Restores the result of save(). False, and nothing changed, if it is not of this plan. `unresolved`: the step had
+  // not resolved the run that led there, so that no result from here on is one. Allocates.
+  [[nodiscard]] bool restore(std::span<const std::uint64_t> saved, bool unresolved = false);
+  [[nodiscard]] bool begins_unresolved() const { return begins_unresolved_; }
 
   // Leaves out the sensors of distances but those of `read`, numbers of the model's sensors, from now on: nobody reads
   // them, so that their values are any. Allocates.
@@ -107,6 +109,7 @@ class Simulation {
   std::vector<double> channels_;
   SampleAndHold held_;  // last of these: it begins with the channels and sensors of the initial state
   const std::int64_t model_hash_;
+  bool begins_unresolved_ = false;
 };
 
 }  // namespace unlatch::hil

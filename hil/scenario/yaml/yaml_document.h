@@ -23,8 +23,10 @@ struct SourceMark {
 struct YamlNode;
 
 struct YamlKey {
+  enum class Origin { kFile, kAdded, kReplaced };  // by an override, or by `set`
   std::string text;
   SourceMark mark;
+  Origin origin = Origin::kFile;  // of the key, or of the value that stands under it
 };
 
 struct YamlNode {

@@ -1,6 +1,7 @@
 #include "hil/scenario/yaml/yaml_override.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <optional>
@@ -83,7 +84,7 @@ YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& m
     throw YamlError(mark, "'" + part + "' would be inside the single value '" + node.text + "'",
                     "shorten the path, or give the whole mapping: a={key: value}");
   if (YamlNode* child = node.find(part)) return *child;
-  node.keys.push_back({part, mark});
+  node.keys.push_back({part, mark, YamlKey::Origin::kAdded});
   node.items.push_back({YamlNode::Kind::kNull, mark, "", {}, {}, false});
   return node.items.back();
 }
@@ -97,20 +98,24 @@ std::optional<Quantity> evaluate(const YamlNode& node, const Constants& constant
   }
 }
 
-// Gives a plain number for a constant the SI unit of the value that it replaces, which expressions check.
-void keep_unit(const std::string& name, const YamlNode& root, YamlNode& value) {
-  const YamlNode* const section = root.find("constants");
+// Gives a plain number for a constant the SI unit of the value that it replaces, which expressions check. Its key is
+// marked as replaced, unless the number stays the same.
+void keep_unit(const std::string& name, YamlNode& root, YamlNode& value) {
+  YamlNode* const section = root.find("constants");
   if (section == nullptr || !section->is_mapping()) return;
   Constants constants;
   for (std::size_t i = 0; i < section->keys.size(); ++i) {
+    YamlKey& key = section->keys[i];
     const std::optional<Quantity> old = evaluate(section->items[i], constants);
-    if (section->keys[i].text != name) {
-      if (old) constants[section->keys[i].text] = *old;
+    if (key.text != name) {
+      if (old) constants[key.text] = *old;
       continue;
     }
     const std::optional<Quantity> given = evaluate(value, constants);
     if (old && given && given->dimension.is_plain() && !old->dimension.is_plain())
       value.text = "(" + value.text + ") " + describe_unit(old->dimension);
+    if (key.origin == YamlKey::Origin::kFile && !(old && given && old->value == given->value))
+      key.origin = YamlKey::Origin::kReplaced;
     return;
   }
 }
@@ -125,31 +130,62 @@ bool contains(const std::string& text, const std::string& name) {
   return false;
 }
 
+// Keys whose texts are for readers, or say where a value is from: no use of what they name.
+bool is_prose(const std::string& key) {
+  static constexpr std::array kProse{"title", "text", "rationale", "parent", "source", "basis", "outputs"};
+  return std::ranges::find(kProse, key) != kProse.end();
+}
+
 // True if a text names it, but for those within `except`.
 bool names(const YamlNode& node, const std::string& name, const YamlNode& except) {
   if (&node == &except) return false;
   if (node.is_scalar()) return contains(node.text, name);
-  return std::ranges::any_of(node.items, [&](const YamlNode& item) { return names(item, name, except); });
+  for (std::size_t i = 0; i < node.items.size(); ++i)
+    if (!(node.is_mapping() && is_prose(node.keys[i].text)) && names(node.items[i], name, except)) return true;
+  return false;
 }
+
+const YamlNode* find_section(const YamlNode& root, std::string_view name) {
+  const YamlNode* const own = root.is_mapping() ? root.find(name) : nullptr;
+  return own != nullptr && own->is_mapping() ? own : nullptr;
+}
+
+constexpr std::array<std::pair<const char*, const char*>, 2> kReadSections{
+    {{"constants", "constant"}, {"channels", "channel"}}};
 
 }  // namespace
 
-std::vector<YamlError> list_unread(const YamlNode& root) {
+std::vector<YamlError> list_unread_overrides(const YamlNode& root) {
   std::vector<YamlError> unread;
-  for (const auto& [section, noun] : {std::pair{"constants", "constant"}, std::pair{"channels", "channel"}}) {
-    const YamlNode* const own = root.is_mapping() ? root.find(section) : nullptr;
-    if (own == nullptr || !own->is_mapping()) continue;
+  for (const auto& [section, noun] : kReadSections) {
+    const YamlNode* const own = find_section(root, section);
+    if (own == nullptr) continue;
     std::vector<std::string> known;
     for (const YamlKey& key : own->keys)
-      if (key.mark.override_index < 0) known.push_back(key.text);
+      if (key.origin != YamlKey::Origin::kAdded) known.push_back(key.text);
     for (std::size_t i = 0; i < own->keys.size(); ++i) {
       const YamlKey& key = own->keys[i];
-      if (key.mark.override_index >= 0 && !names(root, key.text, own->items[i]))
+      if (key.origin == YamlKey::Origin::kFile || names(root, key.text, own->items[i])) continue;
+      if (key.origin == YamlKey::Origin::kAdded)
         unread.emplace_back(key.mark,
                             "the scenario has no " + std::string(noun) + " '" + key.text + "', nor does it read one",
                             suggest(key.text, known));
+      else
+        unread.emplace_back(
+            own->items[i].mark,
+            "nothing reads the " + std::string(noun) + " '" + key.text + "': another value changes nothing",
+            "use it in an expression, or leave it as it is");
     }
   }
+  return unread;
+}
+
+std::vector<std::string> list_unread_constants(const YamlNode& root) {
+  std::vector<std::string> unread;
+  if (const YamlNode* const own = find_section(root, "constants"))
+    for (std::size_t i = 0; i < own->keys.size(); ++i)
+      if (own->keys[i].mark.file == 0 && !names(root, own->keys[i].text, own->items[i]))
+        unread.push_back(own->keys[i].text);
   return unread;
 }
 

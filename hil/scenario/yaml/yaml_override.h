@@ -23,9 +23,12 @@ void apply_override(const std::string& text, int override_index, YamlNode& root)
 // Does the same for a path and a value in a file. Throws YamlError at `mark`.
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
 
-// Constants and channels that overrides have added, and that no text of the tree names: misspelt, or of no use. Each
-// with the place of its override.
-std::vector<YamlError> list_unread(const YamlNode& root);
+// Constants and channels that overrides or `set` have added, and constants to which they give another value, which no
+// text of the tree names: misspelt, or of no use. Each with the place of its override.
+std::vector<YamlError> list_unread_overrides(const YamlNode& root);
+// Constants of the main file that no text of the tree names; included files may have some for others. Channels may be
+// there for flight software alone.
+std::vector<std::string> list_unread_constants(const YamlNode& root);
 
 // Node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
 const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);

@@ -318,7 +318,7 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   end.status = status;
   end.message = std::move(message);
   list_received([&end](const LogReceived& one) { end.received.push_back(one); });
-  end.timing = health_.summarize();
+  end.timing = health_.summarize(end.tick);
   return end;
 }
 

@@ -42,11 +42,12 @@ std::int64_t HealthReporter::calc_dropped() const noexcept {
   return sources_.connection.get_dropped_out() + sources_.connection.get_dropped_in();
 }
 
-TimingSummary HealthReporter::summarize() const {
+TimingSummary HealthReporter::summarize(std::int64_t tick) const {
   TimingSummary summary = sources_.timing.summarize();
   summary.late_commands = sources_.commands.get_late();
   summary.late_answers = sources_.liveness.get_late_answers();
   summary.unanswered = sources_.liveness.get_unanswered();
+  summary.unused_commands = sources_.commands.count_after(tick);
   summary.rejected = sources_.rejects.by_reason;
   summary.dropped = calc_dropped();
   summary.resent = publisher_.get_resent();

@@ -35,8 +35,8 @@ class HealthReporter {
   void publish_health(std::int64_t now_ns) noexcept;
   void publish_reactions(std::int64_t now_ns) noexcept;
 
-  // Timing of the run, with all counts. Allocates.
-  [[nodiscard]] TimingSummary summarize() const;
+  // Timing of the run that ended at a tick, with all counts. Allocates.
+  [[nodiscard]] TimingSummary summarize(std::int64_t tick) const;
 
  private:
   [[nodiscard]] std::int64_t calc_dropped() const noexcept;

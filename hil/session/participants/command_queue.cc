@@ -102,6 +102,13 @@ void CommandQueue::remove(const Participant& sender) noexcept {
   waiting_[static_cast<std::size_t>(participants_.get_index(sender))].clear();
 }
 
+std::int64_t CommandQueue::count_after(std::int64_t tick) const noexcept {
+  std::int64_t sum = 0;
+  for (const Waiting& waiting : waiting_)
+    sum += std::ranges::count_if(waiting, [tick](const Pending& one) { return one.command.tick > tick; });
+  return sum;
+}
+
 CommandQueue::Waiting* CommandQueue::find_first_due(std::int64_t tick) noexcept {
   Waiting* first = nullptr;
   for (Waiting& waiting : waiting_) {

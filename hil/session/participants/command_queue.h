@@ -75,6 +75,8 @@ class CommandQueue {
   }
 
   [[nodiscard]] std::int64_t get_late() const noexcept { return late_; }
+  // Commands that wait for a tick after this one.
+  [[nodiscard]] std::int64_t count_after(std::int64_t tick) const noexcept;
 
  private:
   static constexpr std::int64_t kLastTick = std::int64_t{1} << 53;  // a tick beyond it is taken as malformed

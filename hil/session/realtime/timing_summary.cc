@@ -13,7 +13,7 @@ void pass_numbers(Summary& s, Pass&& pass) {
 template <class Timing, class Pass>
 void pass_counts(Timing& t, Pass&& pass) {
   for (auto* value : {&t.overruns, &t.slipped_ns, &t.skipped_outputs, &t.late_commands, &t.late_answers, &t.unanswered,
-                      &t.dropped, &t.resent}) {
+                      &t.dropped, &t.resent, &t.unused_commands}) {
     pass(*value);
   }
   for (auto& count : t.overrun_causes) pass(count);

@@ -76,6 +76,7 @@ struct TimingSummary {
   std::int64_t unanswered = 0;          // States whose answer never came, while a later one was sent
   std::int64_t dropped = 0;             // messages that found a ring full
   std::int64_t resent = 0;              // State messages sent again
+  std::int64_t unused_commands = 0;     // accepted for ticks after the end
   std::array<std::int64_t, kRejectReasons> rejected{};
 };
 

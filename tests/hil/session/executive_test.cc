@@ -83,6 +83,26 @@ TEST(Executive, RefusesAndCountsWhatIsWrong) {
   EXPECT_EQ(result.end.hash, run_session(Pace::kLockstep, {}).end.hash);
 }
 
+TEST(Executive, CountsCommandsForTicksThatTheRunDoesNotReach) {
+  Habits habits;
+  habits.mischief = [](std::int64_t tick, hil::RingConnection& connection, std::int64_t session) {
+    if (tick != 20) return;
+    hil::CommandMessage early;
+    early.session = session;
+    early.valid_until_tick = -1;
+    early.value = 0.5;
+    early.participant = FakeParticipant::kId;
+    for (const std::int64_t due : {30, 1000, 2000}) {
+      early.sequence = 1000 + due;
+      early.tick = due;
+      connection.deliver(early);
+    }
+  };
+  const SessionResult result = run_session(Pace::kLockstep, habits);
+  EXPECT_EQ(result.end.timing.unused_commands, 2);
+  EXPECT_EQ(run_session(Pace::kLockstep, {}).end.timing.unused_commands, 0);
+}
+
 TEST(Executive, ARunTooShortForItTellsTheWholeScenarioAllTheSame) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto simulation = hil::build_simulation(scenario);

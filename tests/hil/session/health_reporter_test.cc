@@ -73,7 +73,7 @@ TEST_P(HealthReporterTest, HealthAndTheSummaryHaveTheCountsOfAllParts) {
   EXPECT_EQ(health.missing, 1) << "the flight software has not introduced itself";
   EXPECT_EQ(health.rejected[static_cast<std::size_t>(hil::Reject::kDuplicate)], 4);
   EXPECT_EQ(health.resent, 5);
-  const hil::TimingSummary summary = health_.summarize();
+  const hil::TimingSummary summary = health_.summarize(0);
   EXPECT_EQ(summary.step.max, 700);
   EXPECT_EQ(summary.slipped_ns, 11);
   EXPECT_EQ(summary.skipped_outputs, 2);

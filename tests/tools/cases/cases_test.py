@@ -223,7 +223,8 @@ class CasesTest(ProcessTest):
         junit = self.folder / "out.xml"
         report = self.fly("--pace", "realtime", "--until", "3", "--junit", junit, "--set", "requirements=[]", code=1, kill=1)
         self.assertIn("policy.safe", [event["name"] for event in report["session_events"]])
-        self.assertEqual([(limit["id"], limit["met"]) for limit in report["session_limits"]], [("flight_software.lost", False)])
+        self.assertEqual([(limit["id"], limit["met"]) for limit in report["session_limits"]],
+                         [("flight_software.lost", False), ("flight_software.refused", True)])
         cases = {case.get("name"): case for case in ElementTree.parse(junit).iter("testcase")}
         self.assertIsNotNone(cases["flight_software.lost"].find("failure"))
 

@@ -11,11 +11,11 @@
 #ifndef HOSTILE
 #define HOSTILE 0
 #endif
-enum { kSound, kErrorAtStep, kNanOutput, kErrorAtSet, kEnds, kReturnsEarly, kFatalAtStep, kOtherVersion };
+enum { kSound, kErrorAtStep, kNanOutput, kErrorAtSet, kEnds, kReturnsEarly, kFatalAtStep, kOtherVersion, kWarnsFromStep };
 
 /* Outputs of a booster i = 0 … 3, numbered 100 + 5 i + kind; the verniers: 120. */
 enum { kThrottle, kRudder, kTies, kCutoff, kNozzle, kKinds };
-enum { kOutputs = 21, kVerniers = 20, kBoosters = 4, kOk = 0, kError = 3, kFatal = 4 };
+enum { kOutputs = 21, kVerniers = 20, kBoosters = 4, kOk = 0, kWarning = 1, kError = 3, kFatal = 4 };
 
 typedef struct {
   double contact[kBoosters], outputs[kOutputs], position;
@@ -52,6 +52,7 @@ static int step(Controller* c, double time, double size) {
   if (HOSTILE == kErrorAtStep && c->tick == 200) return kError;
   if (HOSTILE == kFatalAtStep && c->tick == 200) return kFatal;
   update(c);
+  if (HOSTILE == kWarnsFromStep && c->tick >= 200) return kWarning;
   if (HOSTILE == kNanOutput && c->tick == 200) c->outputs[kThrottle] = NAN;
   return kOk;
 }

@@ -271,7 +271,7 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.run_ok(UNLATCH, "run", scenario, "--log", self.log, code=1)
         for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
             out = self.folder / f"out.{form}"
-            told = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out).stderr
+            told = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out, code=1).stderr
             self.assertIn("unresolved", told, form)
             self.assertIn("overshoot s: its period is not resolved", told, form)
         end = json.loads((self.folder / "out.json").read_text().splitlines()[-1])

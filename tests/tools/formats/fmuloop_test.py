@@ -18,7 +18,7 @@ OUTPUTS = {f"{kind}{i + 1}": 100 + 5 * i + place for i in range(4) for place, ki
 MACHINE = platform.machine()
 PLATFORM = {2: "linux64" if MACHINE == "x86_64" else f"linux-{MACHINE}", 3: f"{MACHINE}-linux"}
 SAID = ["--transport", "inproc", "--pace", "lockstep", "--until", "2"]
-ERROR_AT_STEP, NAN_OUTPUT, ERROR_AT_SET, ENDS, RETURNS_EARLY, FATAL_AT_STEP, OTHER_VERSION = range(1, 8)
+ERROR_AT_STEP, NAN_OUTPUT, ERROR_AT_SET, ENDS, RETURNS_EARLY, FATAL_AT_STEP, OTHER_VERSION, WARNS_FROM_STEP = range(1, 9)
 
 
 def describe(version, inputs, outputs, token=TOKEN, identifier="controller", more="", booleans=()):
@@ -75,6 +75,30 @@ class FmuLoopTest(ProcessTest):
             flown = self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", self.pack(version, compression=compression), *SAID, code=None)
             self.assertEqual((flown["status"], flown["hash"]), (wanted["status"], wanted["hash"]))
             self.assertEqual(flown["events"], wanted["events"])
+
+    def test_a_warning_of_the_controller_is_printed_once(self):
+        for version in 2, 3:
+            said = self.fly(self.pack(version, hostile=WARNS_FROM_STEP), None).stderr
+            self.assertEqual(said.count(f"FMU controller.fmu at t = 0.2 s: fmi{version}DoStep returned fmi{version}Warning"), 1, said)
+            self.assertEqual(said.count("Warning"), 1)
+
+    def test_two_outputs_for_one_channel_and_outputs_of_no_channel_are_refused(self):
+        self.fly(self.pack(3), 2, "--map", "throttle1=throttle2")
+        self.assertIn("output 'throttle2': it is mapped to 'throttle2', as is 'throttle1'",
+                      self.fly(self.pack(3), 2, "--map", "throttle1=throttle2").stderr)
+        outputs = {"channels.throtle1" if name == "throttle1" else name: at for name, at in OUTPUTS.items()}
+        self.refuse(self.pack(3, description=describe(3, INPUTS, outputs)), "output 'channels.throtle1', which is no channel")
+
+    def test_a_variable_in_a_unit_that_is_not_of_si_is_refused(self):
+        for version in 2, 3:
+            text = describe(version, INPUTS, OUTPUTS).replace(
+                "<ModelVariables>", '<UnitDefinitions><Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>'
+                '<Unit name="rad"><BaseUnit rad="1"/></Unit></UnitDefinitions><ModelVariables>')
+            spoilt = text.replace('causality="output"><Real/>', 'causality="output"><Real unit="UNIT"/>', 1) if version == 2 else \
+                text.replace('causality="output"/>', 'causality="output" unit="UNIT"/>', 1)
+            self.assertNotEqual(spoilt, text)
+            self.refuse(self.pack(version, description=spoilt.replace("UNIT", "deg")), "'throttle1' in SI: it is in 'deg'")
+            self.fly(self.pack(version, description=spoilt.replace("UNIT", "rad")), None)
 
     def test_an_archive_whose_paths_have_backslashes_is_read(self):
         wanted = self.run_json(UNLATCH, "hil", BOOSTERS, *SAID, code=None)["hash"]

@@ -554,6 +554,8 @@ objectives: [{minimise: a^2 + 4*b^2}]
             self.assertEqual(process.returncode, 1, printed + errors)
             result = json.loads((self.folder / f"o{number}/result.json").read_text())
             self.assertEqual((result["status"], result["feasible"]), ("not-found", False))
+            self.assertEqual(result["ended_by"], "seconds" if "seconds" in told else "runs")
+            self.assertIn("ended by its budget of " + ("1e-06 s (budget.seconds)" if "seconds" in told else told[3:].split(":")[0]), printed)
             for words in printed, result["violation"]["why"]:
                 self.assertIn("no feasible point found within the budget " + told, words)
             self.assertNotIn("infeasible", printed)

@@ -177,6 +177,36 @@ class MistakesTest(ProcessTest):
                                         "parameters: {load: {path: constants.laod, uniform: {min: 1 kg, max: 2 kg}}}\n")
         self.assertIn("has no constant 'laod'", self.refuse("check", campaign))
 
+    # Nothing reads `spare`, so that another value of it changes nothing.
+    UNREAD = ("unlatch: 1\nname: box\nSETstep: {dt: 10 ms, until: 20 ms}\nconstants: {load: 2 kg, spare: 3 m}\n"
+              "channels: {idle: {}}\nbodies: {box: {mass: load, inertia: [1, 1, 1]}}\n"
+              "requirements: [{id: r, text: a spare word, position: {body: box}, at_most: 1 m}]\n")
+
+    def test_a_misspelt_or_unread_constant_of_a_files_own_set_is_refused(self):
+        said = self.refuse("check", self.write("laod.yaml", self.UNREAD.replace("SET", "set: {constants.laod: 3 kg}\n")))
+        self.assertIn("laod.yaml:3:7: the scenario has no constant 'laod', nor does it read one", said)
+        self.assertIn("did you mean 'load'?", said)
+        said = self.refuse("run", self.write("spare.yaml", self.UNREAD.replace("SET", "set: {constants.spare: 4 m}\n")))
+        self.assertIn("nothing reads the constant 'spare': another value changes nothing", said)
+        self.assertIn("has no channel 'idel'", self.refuse("check", self.write(
+            "idel.yaml", self.UNREAD.replace("SET", "set: {channels.idel.initial: 1}\n"))))
+        self.run_ok(UNLATCH, "run", self.write("good.yaml", self.UNREAD.replace("SET", "set: {constants.load: 3 kg}\n")))
+
+    def test_another_value_of_a_constant_that_nothing_reads_is_refused_and_the_same_one_is_not(self):
+        box = self.write("box.yaml", self.UNREAD.replace("SET", ""))
+        self.assertIn("--set constants.spare=4: nothing reads the constant 'spare'", self.refuse("run", box, "--set", "constants.spare=4"))
+        self.run_ok(UNLATCH, "run", box, "--set", "constants.spare=3")
+        self.run_ok(UNLATCH, "run", box, "--set", "constants.spare=4", "--set", "bodies.box.position[0]=spare", code=1)
+        campaign = self.write("c.yaml", "unlatch_campaign: 1\nname: c\nscenario: box.yaml\nsamples: 3\n"
+                                        "parameters: {spare: {path: constants.spare, uniform: {min: 1 m, max: 2 m}}}\n")
+        self.assertIn("nothing reads the constant 'spare'", self.refuse("check", campaign))
+
+    def test_constants_that_nothing_reads_are_findings_of_check_and_of_each_run(self):
+        box = self.write("box.yaml", self.UNREAD.replace("SET", ""))
+        for verb in "check", "run":
+            warnings = self.run_json(UNLATCH, verb, box)["warnings"]
+            self.assertEqual([(w["name"], w["where"]) for w in warnings], [("unread", "constant 'spare'")])
+
     def test_a_mistake_that_an_override_makes_is_the_overrides(self):
         said = self.refuse("check", self.first, "--set", "constants.gap=-0.2 m", "--set", "step.until=4")
         self.assertIn("first.yaml: --set constants.gap=-0.2 m: element 'spring1': free_length is -0.4", said)

@@ -264,7 +264,7 @@ class ToolsTest(ProcessTest):
         self.assertEqual((report["status"], report["ticks"]), ("ok", 30000))
         self.assertIn("has not answered for 0.5", said)
         self.assertEqual([(limit["id"], limit["value"], limit["at_most"], limit["met"]) for limit in report["session_limits"]],
-                         [("flight_software.lost", 1, 0, False)])
+                         [("flight_software.lost", 1, 0, False), ("flight_software.refused", 0, 0, True)])
 
     def test_a_run_that_lost_its_flight_software_is_failed_unless_that_is_the_test(self):
         self.kill_flight_software("safe", "lockstep", 1)
@@ -275,6 +275,27 @@ class ToolsTest(ProcessTest):
         self.assertIn("flight_software.lost      not met  times that a required participant was lost: 1, at most 0", result.stdout)
         case = next(case for case in ElementTree.parse(junit).iter("testcase") if case.get("name") == "flight_software.lost")
         self.assertEqual(case.find("failure").get("type"), "not met")
+
+    # The reference flight software throttles to 0.84; of this channel that is out of range.
+    def test_a_run_whose_commands_were_refused_is_failed_unless_that_is_the_test(self):
+        log, junit = self.folder / "refused.log", self.folder / "refused.xml"
+        command = (UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "0.3",
+                   "--set", "channels.throttle1={range: [0.9, 1], initial: 1, safe: 0.95}", "--log", log)
+        report = self.run_json(*command, "--junit", junit, code=1)
+        limits = {limit["id"]: limit for limit in report["session_limits"]}
+        refused = report["timing"]["rejected"]["out_of_range"]
+        self.assertGreater(refused, 0)
+        self.assertEqual(limits["flight_software.refused"]["value"], refused)
+        self.assertEqual((limits["flight_software.refused"]["at_most"], limits["flight_software.refused"]["met"]), (0, False))
+        case = next(case for case in ElementTree.parse(junit).iter("testcase") if case.get("name") == "flight_software.refused")
+        self.assertEqual(case.find("failure").get("message"), f"commands that were refused: {refused}, at most 0")
+        again = self.run_json(UNLATCH, "replay", log, code=1)
+        self.assertEqual(again["session_limits"], report["session_limits"])
+        page = self.folder / "refused.html"
+        self.run_ok(UNLATCH, "report", log, "--out", page, code=None)
+        self.assertIn("flight_software.refused", page.read_text())
+        allowed = self.run_json(*command, "--set", f"flight_software.require={{refused: {refused}}}", code=None)
+        self.assertEqual([limit["met"] for limit in allowed["session_limits"]], [True, True])
 
     def test_killed_flight_software_ends_in_the_policy_abort(self):
         report, said = self.kill_flight_software("abort", "realtime", 1)

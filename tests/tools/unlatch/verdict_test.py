@@ -185,7 +185,8 @@ class VerdictTest(ProcessTest):
     def test_page_and_exports_of_an_unresolved_run_are_not_called_ok(self):
         log, lines, page = (self.folder / name for name in ("run.log", "run.json", "run.html"))
         self.run_ok(UNLATCH, "run", self.write(BLOW.replace("SUBSTEPS", "1")), "--log", log, code=1)
-        exported = self.run_ok(UNLATCH, "export", log, "--format", "json", "--out", lines).stderr
+        for form in "csv", "json":
+            exported = self.run_ok(UNLATCH, "export", log, "--format", form, "--out", lines, code=1).stderr
         self.assertIn("unresolved\n  contact blow", exported)
         end = json.loads(lines.read_text().splitlines()[-1])
         self.assertEqual(end["status"], "unresolved")
@@ -195,6 +196,46 @@ class VerdictTest(ProcessTest):
         self.addCleanup(browser.close)
         browser.open(page)
         self.assertIn("unresolved", browser.evaluate("document.querySelector('.status').textContent"))
+        rows = browser.evaluate("[...document.querySelectorAll('#verdict tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))")
+        self.assertEqual([row[:2] for row in rows], [["speed", "unresolved"], ["before", "met"], ["other", "met"]])
+        self.assertIn("1 of 3 unresolved", browser.evaluate("document.querySelector('#verdict small').textContent"))
+
+    # The blow is over at 0.1 s.
+    def test_a_run_that_goes_on_from_a_checkpoint_of_an_unresolved_one_is_unresolved(self):
+        scenario = self.write(BLOW.replace("SUBSTEPS", "1"))
+        early, late, log = (self.folder / name for name in ("early", "late", "resumed.log"))
+        self.run_ok(UNLATCH, "run", scenario, "--checkpoint", "0.01", early, "--checkpoint", "0.19", late, code=1)
+        report = self.run_json(UNLATCH, "run", scenario, "--resume", late, "--log", log, code=1)
+        self.assertEqual(report["status"], "unresolved")
+        self.assertIn("accuracy.start", [notice["name"] for notice in report["notices"]])
+        self.assertEqual(self.run_json(UNLATCH, "replay", log, code=1)["status"], "unresolved")
+        self.assertEqual(self.run_json(UNLATCH, "run", scenario, "--resume", early, "--until", "0.02", code=None)["status"], "ok")
+
+    # The arm swings at 1 rad/s and locks at 0.1 rad; the base is held by a weld, through which the blow passes.
+    def test_a_verdict_on_a_reaction_names_the_blow_of_a_lock_whose_impulse_it_leaves_out(self):
+        scenario = self.write("""unlatch: 1
+name: arm
+step: {dt: 1 ms, until: 0.2}
+bodies:
+  base: {mass: 1, inertia: [1, 1, 1]}
+  arm: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0], velocity: [0, 1, 0], rate: [0, 0, 1]}
+joints:
+  root: {between: [ground, base], modes: {held: {kind: weld}}}
+  hinge: {between: [base, arm], follower_point: [-1, 0, 0], modes: {open: {kind: revolute, axis: z}, locked: {kind: weld}}, mode: open}
+events: [{name: lock, when: {angle: {joint: hinge, axis: z}, above: 0.1}, then: [{latch: {joint: hinge, mode: locked}}]}]
+requirements:
+  - {id: root, reaction: {joint: root, row: moment}, at_most: 10 N m}
+  - {id: quantity, reaction_force: root, at_most: 10 N}
+  - {id: before, reaction: {joint: root, row: force}, to: lock, at_most: 10 N}
+  - {id: behind, reaction: {joint: root, row: force}, from: lock, at_most: 10 N}
+""")
+        report = self.run_json(UNLATCH, "run", scenario)
+        blows = {entry["id"]: entry.get("without_blow") for entry in report["verdict"]}
+        self.assertEqual((blows["before"], blows["behind"]), (None, None))
+        for name in "root", "quantity":
+            self.assertAlmostEqual(blows[name], 0.1, delta=1e-6)
+        text = self.run_ok(UNLATCH, "run", scenario).stdout
+        self.assertEqual(text.count("; without the impulse of the blow at 0.1 s"), 2)
 
     # A spring carries what a contact does not resolve to a body that touches nothing.
     def test_what_a_spring_connects_to_an_unresolved_body_is_unresolved_too(self):

@@ -6,7 +6,7 @@ import { best, constraints, limitText, manifest, objectives, pointOf, result, sh
 
 document.title = `${result.problem}: optimisation`;
 byId('title').textContent = data.title || result.problem;
-byId('facts').textContent = `${result.runs} runs of the search and ${result.study_runs} around its result; method ${result.exhaustive ? 'all combinations' : result.method}, seed ${result.seed}, scenario ${result.scenario}, ${manifest.program}`;
+byId('facts').textContent = `${result.runs} runs of the search and ${result.study_runs} around its result${{ runs: ', ended by budget.runs', seconds: ', ended by budget.seconds' }[result.ended_by] ?? ''}; method ${result.exhaustive ? 'all combinations' : result.method}, seed ${result.seed}, scenario ${result.scenario}, ${manifest.program}`;
 const verdicts = {
   optimal: 'The search has converged: all constraints are met.', budget: 'The budget is spent: all constraints are met; a longer search may find better.',
   infeasible: 'No point meets all constraints. Shown is the point of the least violation.',

@@ -13,25 +13,37 @@ function describeLimit({ at_least: least, at_most: most, unit }) {
 }
 
 function word(item) {
+  if (!item.resolved) return el('strong', { class: 'badtext' }, 'unresolved');
   if (item.met) return el('strong', { class: 'goodtext' }, 'met');
   return el('strong', { class: 'badtext' }, item.evaluated ? 'not met' : 'not evaluated');
 }
 
 function jump(clock, t) { return el('button', { class: 'jump', onclick: () => clock.set(t) }, fixed(t, 6)); }
 
-// The table on top of the results; nothing if no run has requirements.
+function countMissed({ verdict, session_limits: limits }) {
+  const all = [...verdict, ...limits.map((limit) => ({ ...limit, resolved: true }))];
+  const unresolved = all.filter((item) => !item.resolved).length, missed = all.filter((item) => item.resolved && !item.met).length;
+  const parts = [[missed, 'not met'], [unresolved, 'unresolved']].filter(([number]) => number > 0);
+  return parts.length ? parts.map(([number, text]) => `${number} of ${all.length} ${text}`).join(', ') : 'all met';
+}
+
+// The table on top of the results, the limits of sessions below the requirements; nothing if no run has either.
 export function buildVerdict(runs, clock) {
-  if (!runs.some((run) => run.verdict.length)) return null;
+  if (!runs.some((run) => run.verdict.length || run.session_limits.length)) return null;
   const two = runs.length > 1;
+  const letter = (run) => (two ? [el('span', { class: `letter ${run.label}` }, run.label)] : []);
   const rows = runs.flatMap((run) => run.verdict.map((item) => [
-    ...(two ? [el('span', { class: `letter ${run.label}` }, run.label)] : []), item.id, word(item),
+    ...letter(run), item.id, word(item),
     ...(item.evaluated ? [withUnit(item.value, item.unit), describeLimit(item), withUnit(item.margin, item.unit), jump(clock, item.t)]
       : [item.why, describeLimit(item), '', '']),
-    item.text ? `${item.text} (${item.quantity})` : item.quantity]));
-  const missed = runs.map((run) => run.verdict.filter((item) => !item.met).length);
-  const count = missed.map((number, i) => `${two ? `${runs[i].label}: ` : ''}${number === 0 ? 'all met' : `${number} of ${runs[i].verdict.length} not met`}`).join('; ');
+    (item.text ? `${item.text} (${item.quantity})` : item.quantity) + (item.resolved ? '' : `; depends on ${item.unresolved}`)
+      + ('without_blow' in item ? `; without the impulse of the blow at ${digits(item.without_blow, 6)} s` : '')]));
+  const limits = runs.flatMap((run) => run.session_limits.map((limit) => [
+    ...letter(run), limit.id, word({ ...limit, resolved: true, evaluated: true }), digits(limit.value, 6),
+    limit.at_most === null ? 'no limit' : `at most ${digits(limit.at_most, 6)}`, '', '', limit.text]));
+  const count = runs.map((run) => (two ? `${run.label}: ` : '') + countMissed(run)).join('; ');
   return el('section', { class: 'card', id: 'verdict' }, el('div', { class: 'cardhead' }, el('h2', {}, 'Requirements'), el('small', {}, count)),
-    table([...(two ? [''] : []), 'id', 'verdict', 'value', 'limit', 'margin', 'at t, s', 'requirement'], rows));
+    table([...(two ? [''] : []), 'id', 'verdict', 'value', 'limit', 'margin', 'at t, s', 'requirement'], [...rows, ...limits]));
 }
 
 // Rows of the table of separations.

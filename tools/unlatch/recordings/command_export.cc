@@ -185,7 +185,7 @@ int run(const ExportOptions& options) {
   if (!recording.shortfall.empty()) std::fprintf(stderr, "  %s\n", recording.shortfall.c_str());
   if (status == kUnresolved) std::fprintf(stderr, "  %s\n", why.c_str());
   if (!result.agrees()) std::fprintf(stderr, "  it does not replay as it was recorded: see unlatch replay\n");
-  return result.agrees() && !recording.damaged ? kExitDone : kExitFailed;
+  return result.agrees() && !recording.damaged && status != kUnresolved ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -200,9 +200,9 @@ void add_export(Command app, int& exit_code) {
       "with the 3D scene, transforms, reactions, elements, sensors, events. parquet: the table of csv. With "
       "contacts csv and parquet write a second table, FILE.touches.csv: each touch with its times, shapes, peak force, "
       "depth and impulse. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the follower. Exit "
-      "code 1: the file was written, but "
-      "the "
-      "replay differs from the recording. --fmu writes a scenario as a co-simulation FMU instead: channels are inputs; "
+      "code 1: the file was written, but the replay differs from the recording, or the step did not resolve the run, "
+      "whose numbers are no results then: csv has no place that says so. --fmu writes a scenario as a co-simulation "
+      "FMU instead: channels are inputs; "
       "sensors, reactions, bodies and clearances outputs.",
       "unlatch export run.log --format csv --every 10 --out run.csv\n"
       "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap\n"

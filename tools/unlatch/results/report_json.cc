@@ -165,6 +165,7 @@ Json to_json(const hil::TimingSummary& timing) {
           {"unanswered", timing.unanswered},
           {"dropped", timing.dropped},
           {"resent", timing.resent},
+          {"unused_commands", timing.unused_commands},
           {"rejected", rejected}};
 }
 

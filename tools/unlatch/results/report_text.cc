@@ -240,9 +240,14 @@ void print_timing(std::FILE* to, const hil::TimingSummary& timing) {
                std::to_string(timing.rejected[i]);
   }
   if (timing.round_trip.count > 0 || timing.dropped > 0) {
-    std::fprintf(to, "  messages dropped %lld, states resent %lld, commands refused %lld%s\n",
-                 static_cast<long long>(timing.dropped), static_cast<long long>(timing.resent),
-                 static_cast<long long>(refused), reasons.empty() ? "" : (reasons + ")").c_str());
+    std::fprintf(
+        to, "  messages dropped %lld, states resent %lld, commands refused %lld%s%s\n",
+        static_cast<long long>(timing.dropped), static_cast<long long>(timing.resent), static_cast<long long>(refused),
+        reasons.empty() ? "" : (reasons + ")").c_str(),
+        timing.unused_commands == 0
+            ? ""
+            : (", " + count(static_cast<std::size_t>(timing.unused_commands), "command") + " for ticks after the end")
+                  .c_str());
   }
 }
 

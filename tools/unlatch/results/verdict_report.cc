@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hil/scenario/text/xml_text.h"
@@ -26,7 +27,9 @@ std::string describe_value(const hil::Requirement& requirement, const hil::Verdi
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
   const double value = drop_rounding(verdict.value, std::abs(verdict.margin));
   return to_short_text(value) + unit + " at " + to_short_text(verdict.time) + " s, " + describe_limit(requirement) +
-         ", margin " + to_short_text(verdict.margin) + unit;
+         ", margin " + to_short_text(verdict.margin) + unit +
+         (verdict.leaves_out_blow() ? "; without the impulse of the blow at " + to_short_text(verdict.blow) + " s"
+                                    : "");
 }
 
 // For plots: the kind of quantity, its row or "size", and the body that it is relative to.
@@ -59,6 +62,25 @@ std::string pad(const std::string& text, std::size_t width) {
   return text + std::string(width > length ? width - length : 0, ' ');
 }
 
+// "times that a required participant was lost: 1, at most 0"
+std::string describe_value(const SessionVerdict& limit) {
+  return limit.text + ": " + to_short_text(limit.value) +
+         (std::isfinite(limit.most) ? ", at most " + to_short_text(limit.most) : ", no limit");
+}
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// Commands of participants of which nothing came: what one says twice, and what strangers say, is none of these; nor,
+// where one was lost, are commands for ticks that are over, which it sends when it comes back.
+std::int64_t count_refused(const hil::TimingSummary& timing, bool any_lost) {
+  using enum hil::Reject;
+  std::int64_t sum = 0;
+  for (const hil::Reject reason :
+       {kPastTick, kExpired, kNotFinite, kOutOfRange, kUnknownChannel, kTooFar, kNoPlace, kJump})
+    if (!any_lost || reason != kPastTick) sum += timing.rejected[static_cast<std::size_t>(reason)];
+  return sum;
+}
+
 }  // namespace
 
 std::vector<SessionVerdict> judge_session(const RunReport& report) {
@@ -73,14 +95,24 @@ std::vector<SessionVerdict> judge_session(const RunReport& report) {
   const auto lost = std::ranges::count_if(report.notices, is_loss);
   list.push_back({"flight_software.lost", "times that a required participant was lost", static_cast<double>(lost),
                   static_cast<double>(limits.lost)});
-  if (limits.late < 1)
-    list.push_back(
-        {"flight_software.late", "late commands, as a part of the ticks",
-         static_cast<double>(report.timing.late_commands) / static_cast<double>(std::max<std::int64_t>(1, report.tick)),
-         limits.late});
-  if (limits.overruns)
-    list.push_back({"flight_software.overruns", "ticks that ended after the next was due",
-                    static_cast<double>(report.timing.overruns), static_cast<double>(*limits.overruns)});
+  const hil::TimingSummary& timing = report.timing;
+  // What has no limit is listed where there is any of it.
+  const auto add = [&list](const char* id, const char* text, double value, double most) {
+    if (std::isfinite(most) || value > 0) list.push_back({id, text, value, most});
+  };
+  const auto to_most = [](const std::optional<int>& limit) { return limit ? *limit : kNoLimit; };
+  const double ticks = static_cast<double>(std::max<std::int64_t>(1, report.tick));
+  add("flight_software.refused", "commands that were refused", static_cast<double>(count_refused(timing, lost > 0)),
+      limits.refused);
+  add("flight_software.late", "late commands, as a part of the ticks",
+      static_cast<double>(timing.late_commands) / ticks, limits.late < 1 ? limits.late : kNoLimit);
+  add("flight_software.unused", "commands for ticks after the end", static_cast<double>(timing.unused_commands),
+      to_most(limits.unused));
+  add("flight_software.malformed", "malformed messages",
+      static_cast<double>(timing.rejected[static_cast<std::size_t>(hil::Reject::kMalformed)]),
+      to_most(limits.malformed));
+  add("flight_software.overruns", "ticks that ended after the next was due", static_cast<double>(timing.overruns),
+      to_most(limits.overruns));
   return list;
 }
 
@@ -132,9 +164,9 @@ void print_session_verdicts(std::FILE* to, const RunReport& report) {
   std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, "Limits of the session (flight_software.require)").c_str());
   for (const SessionVerdict& limit : verdicts)
     std::fprintf(
-        to, "  %s  %s  %s: %s, at most %s\n", pad(limit.id, 24).c_str(),
+        to, "  %s  %s  %s\n", pad(limit.id, 24).c_str(),
         paint(to, limit.is_met() ? Colour::kGreen : Colour::kRed, limit.is_met() ? "met    " : "not met").c_str(),
-        limit.text.c_str(), to_short_text(limit.value).c_str(), to_short_text(limit.most).c_str());
+        describe_value(limit).c_str());
 }
 
 nlohmann::ordered_json build_session_verdicts_json(const RunReport& report) {
@@ -144,7 +176,7 @@ nlohmann::ordered_json build_session_verdicts_json(const RunReport& report) {
                     {"text", limit.text},
                     {"met", limit.is_met()},
                     {"value", limit.value},
-                    {"at_most", limit.most}});
+                    {"at_most", std::isfinite(limit.most) ? Json(limit.most) : Json(nullptr)}});
   return list;
 }
 
@@ -166,6 +198,7 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
       entry["limit"] = verdict.limit;
       entry["margin"] = verdict.margin;
       entry["t"] = verdict.time;
+      if (verdict.leaves_out_blow()) entry["without_blow"] = verdict.blow;
     } else {
       entry["why"] = verdict.why;
     }
@@ -215,7 +248,7 @@ void write_junit(const RunReport& report, const std::string& target, double seco
            ": " + value + "</system-out>\n  </testcase>\n";
   }
   for (const SessionVerdict& limit : limits) {
-    const std::string value = limit.text + ": " + to_short_text(limit.value) + ", at most " + to_short_text(limit.most);
+    const std::string value = describe_value(limit);
     xml += "  <testcase classname=\"" + name + "\" name=\"" + limit.id + "\">\n";
     if (!limit.is_met()) xml += "   <failure type=\"not met\" message=\"" + value + "\"/>\n";
     xml += "   <system-out>" + value + "</system-out>\n  </testcase>\n";

@@ -11,8 +11,8 @@ namespace unlatch::tools {
 
 // A limit of a session with flight software, `flight_software.require`, and what the run had.
 struct SessionVerdict {
-  std::string id, text;  // "flight_software.lost"; what is counted
-  double value = 0, most = 0;
+  std::string id, text;        // "flight_software.lost"; what is counted
+  double value = 0, most = 0;  // infinite: no limit
   [[nodiscard]] bool is_met() const { return value <= most; }
 };
 // Those of the run; none if no flight software took part.

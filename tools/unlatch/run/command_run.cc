@@ -85,8 +85,8 @@ std::vector<std::int64_t> calc_sample_ticks(const RunOptions& options, const Spa
 class Checkpoints {
  public:
   Checkpoints(const RunOptions& options, const hil::Scenario& scenario, const hil::Simulation& simulation,
-              const Span& span)
-      : scenario_(scenario), simulation_(simulation), last_tick_(span.last) {
+              const hil::RunAnalysis& analysis, const Span& span)
+      : scenario_(scenario), simulation_(simulation), analysis_(analysis), last_tick_(span.last) {
     for (const auto& [time, path] : options.checkpoints) {
       due_.emplace(calc_tick_within("--checkpoint", "checkpoint", time, span), path);
     }
@@ -94,13 +94,15 @@ class Checkpoints {
 
   void look() {
     for (; !due_.empty() && due_.begin()->first == simulation_.get_tick(); due_.erase(due_.begin())) {
-      hil::write_checkpoint(due_.begin()->second, scenario_, simulation_, last_tick_);
+      hil::write_checkpoint(due_.begin()->second, scenario_, simulation_, last_tick_,
+                            !analysis_.accuracy().describe_unresolved().empty());
     }
   }
 
  private:
   const hil::Scenario& scenario_;
   const hil::Simulation& simulation_;
+  const hil::RunAnalysis& analysis_;
   const std::int64_t last_tick_;
   std::multimap<std::int64_t, std::string> due_;
 };
@@ -203,7 +205,7 @@ int run(const RunOptions& given) {
   hil::RunAnalysis analysis(scenario, simulation);
   hil::RunOutputs outputs(scenario, simulation, calc_sample_ticks(options, span),
                           choose_outputs(scenario, options.outputs));
-  Checkpoints checkpoints(options, scenario, simulation, span);
+  Checkpoints checkpoints(options, scenario, simulation, analysis, span);
 
   std::optional<hil::Recorder> recorder;
   if (!options.output.log.empty()) {

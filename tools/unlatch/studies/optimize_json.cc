@@ -149,6 +149,7 @@ Json build_optimize_json(const OptimizeReport& report) {
             {"problem", problem.name},
             {"scenario", problem.scenario},
             {"status", get_status(report)},
+            {"ended_by", get_end(report)},
             {"method", hil::kSearchMethodNames[static_cast<std::size_t>(result.method)]},
             {"exhaustive", result.exhaustive},
             {"seed", problem.seed},

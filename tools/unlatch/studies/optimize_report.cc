@@ -111,6 +111,10 @@ void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
       to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(report).c_str(),
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
       count(result.search_runs, "run").c_str(), static_cast<long long>(evaluations.get_runs() - result.search_runs));
+  if (const std::string end = get_end(report); end == "seconds" || end == "runs")
+    std::fprintf(to, "  ended by its budget of %s\n",
+                 end == "runs" ? (count(problem.budget.runs, "run") + " (budget.runs)").c_str()
+                               : format("%g s (budget.seconds)", problem.budget.seconds).c_str());
   if (evaluations.get_samples().empty()) return;
   const OptimizeSample& best = evaluations.get_samples()[result.best];
   if (!result.feasible)

@@ -132,6 +132,12 @@ bool is_at_bound(const OptimizeVariable& variable, double value) {
   return value - variable.lower <= kAt * range || variable.upper - value <= kAt * range;
 }
 
+std::string get_end(const OptimizeReport& report) {
+  if (report.result.end == OptimizeResult::End::kStopped) return "interrupt";
+  if (report.result.late && get_status(report) != "optimal") return "seconds";
+  return report.result.end == OptimizeResult::End::kBudget ? "runs" : "convergence";
+}
+
 std::string describe_failure(const OptimizeReport& report) {
   const std::string status = get_status(report);
   if (status == "interrupted") return "no point so far meets all constraints";

@@ -10,6 +10,8 @@ namespace unlatch::tools {
 
 // "optimal", "infeasible" …: the table of OPTIMIZE.md.
 std::string get_status(const OptimizeReport& report);
+// What ended the search: "convergence", "runs" or "seconds" of the budget, "interrupt".
+std::string get_end(const OptimizeReport& report);
 
 // Verdict of fresh samples on a constraint with a probability; null: it has none, or they were not flown to the end.
 const hil::DispersedCheck::Constraint* find_check(const OptimizeReport& report, std::size_t constraint);
