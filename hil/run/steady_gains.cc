@@ -10,37 +10,32 @@
 namespace unlatch::hil {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-
 constexpr double kRounding = 1e-14;  // relative, of the Schur form of some ten to hundred states
 
 // A = U T Uᴴ with the `first` smallest eigenvalues at the beginning of the diagonal of T.
 struct OrderedSchur {
-  MatrixXcd T, U;
-  OrderedSchur(const MatrixXd& A, Index first);
+  Eigen::MatrixXcd T, U;
+  OrderedSchur(const Eigen::MatrixXd& A, Eigen::Index first);
 
  private:
-  void swap(Index k);
+  void swap(Eigen::Index k);
 };
 
-OrderedSchur::OrderedSchur(const MatrixXd& A, Index first) {
-  const Eigen::ComplexSchur<MatrixXcd> schur(A.cast<Complex>());
+OrderedSchur::OrderedSchur(const Eigen::MatrixXd& A, Eigen::Index first) {
+  const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(A.cast<std::complex<double>>());
   T = schur.matrixT();
   U = schur.matrixU();
-  for (Index place = 0; place < first; ++place) {
-    Index least = place;
-    for (Index k = place + 1; k < T.rows(); ++k)
+  for (Eigen::Index place = 0; place < first; ++place) {
+    Eigen::Index least = place;
+    for (Eigen::Index k = place + 1; k < T.rows(); ++k)
       if (std::abs(T(k, k)) < std::abs(T(least, least))) least = k;
-    for (Index k = least; k > place; --k) swap(k - 1);
+    for (Eigen::Index k = least; k > place; --k) swap(k - 1);
   }
 }
 
 // Exchanges the eigenvalues k and k + 1: the first column of the rotation is the eigenvector of the second one.
-void OrderedSchur::swap(Index k) {
-  Eigen::JacobiRotation<Complex> turn;
+void OrderedSchur::swap(Eigen::Index k) {
+  Eigen::JacobiRotation<std::complex<double>> turn;
   turn.makeGivens(T(k, k + 1), T(k + 1, k + 1) - T(k, k));
   T.applyOnTheLeft(k, k + 1, turn.adjoint());
   T.applyOnTheRight(k, k + 1, turn);
@@ -49,13 +44,13 @@ void OrderedSchur::swap(Index k) {
 }
 
 // X of T₁₁ X − X T₂₂ = −T₁₂, the blocks of an upper triangular T whose first `first` rows are those of T₁₁.
-MatrixXcd solve_sylvester(const MatrixXcd& T, Index first) {
-  const Index others = T.rows() - first;
-  MatrixXcd X(first, others);
-  for (Index k = 0; k < others; ++k) {
+Eigen::MatrixXcd solve_sylvester(const Eigen::MatrixXcd& T, Eigen::Index first) {
+  const Eigen::Index others = T.rows() - first;
+  Eigen::MatrixXcd X(first, others);
+  for (Eigen::Index k = 0; k < others; ++k) {
     const auto T22 = T.bottomRightCorner(others, others);
     Eigen::VectorXcd right = X.leftCols(k) * T22.col(k).head(k) - T.topRightCorner(first, others).col(k);
-    MatrixXcd shifted = T.topLeftCorner(first, first);
+    Eigen::MatrixXcd shifted = T.topLeftCorner(first, first);
     shifted.diagonal().array() -= T22(k, k);
     X.col(k) = shifted.triangularView<Eigen::Upper>().solve(right);
   }
@@ -64,15 +59,15 @@ MatrixXcd solve_sylvester(const MatrixXcd& T, Index first) {
 
 // The model with time and speeds in units of `rate`, so that entries of positions and of speeds are of one size.
 struct Scaled {
-  MatrixXd A, A_error, B, B_error, C, C_error;
+  Eigen::MatrixXd A, A_error, B, B_error, C, C_error;
   Scaled(const LinearModel& model, double rate)
       : A(model.A), A_error(model.A_error), B(model.B), B_error(model.B_error), C(model.C), C_error(model.C_error) {
-    const Index f = A.rows() / 2;
-    for (MatrixXd* const rows : {&A, &A_error, &B, &B_error}) {
+    const Eigen::Index f = A.rows() / 2;
+    for (Eigen::MatrixXd* const rows : {&A, &A_error, &B, &B_error}) {
       *rows /= rate;
       rows->bottomRows(f) /= rate;
     }
-    for (MatrixXd* const columns : {&A, &A_error, &C, &C_error}) columns->rightCols(f) *= rate;
+    for (Eigen::MatrixXd* const columns : {&A, &A_error, &C, &C_error}) columns->rightCols(f) *= rate;
   }
 };
 
@@ -80,29 +75,29 @@ double divide(double part, double whole) { return whole > 0 ? part / whole : 0; 
 
 }  // namespace
 
-SteadyGains calc_steady_gains(const LinearModel& model, Index at_zero, double slowest) {
+SteadyGains calc_steady_gains(const LinearModel& model, Eigen::Index at_zero, double slowest) {
   SteadyGains gains{model.D, model.D_error.cwiseAbs()};
-  const Index n = model.A.rows(), others = n - at_zero;
+  const Eigen::Index n = model.A.rows(), others = n - at_zero;
   if (n == 0 || gains.values.size() == 0) return gains;
   const double rate = others > 0 ? slowest : 1;
   const Scaled scaled(model, rate);
   const OrderedSchur schur(scaled.A, at_zero);
-  const MatrixXcd X = solve_sylvester(schur.T, at_zero);
-  const MatrixXcd V1 = schur.U.leftCols(at_zero), W2 = schur.U.rightCols(others).adjoint();
-  const MatrixXcd V2 = V1 * X + schur.U.rightCols(others), W1 = V1.adjoint() - X * W2;
+  const Eigen::MatrixXcd X = solve_sylvester(schur.T, at_zero);
+  const Eigen::MatrixXcd V1 = schur.U.leftCols(at_zero), W2 = schur.U.rightCols(others).adjoint();
+  const Eigen::MatrixXcd V2 = V1 * X + schur.U.rightCols(others), W1 = V1.adjoint() - X * W2;
 
   // Which entries the motions of the poles at 0 carry away.
-  const MatrixXcd outputs_1 = scaled.C * V1;
-  MatrixXcd inputs_1 = W1 * scaled.B;
+  const Eigen::MatrixXcd outputs_1 = scaled.C * V1;
+  Eigen::MatrixXcd inputs_1 = W1 * scaled.B;
   // Its diagonal is rounding, but the square root of that of A: without it, N would not be nilpotent to A's.
-  const MatrixXcd N = schur.T.topLeftCorner(at_zero, at_zero);
+  const Eigen::MatrixXcd N = schur.T.topLeftCorner(at_zero, at_zero);
   const double turned = static_cast<double>(n) * (kRounding + scaled.A_error.norm()) * std::max(1.0, W1.norm());
-  std::vector<std::pair<Index, Index>> endless;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> endless;
   double power = 1;
-  for (Index k = 0; k < at_zero; ++k, inputs_1 = (N * inputs_1).eval(), power *= N.norm()) {
-    const MatrixXcd moved = outputs_1 * inputs_1;
-    for (Index row = 0; row < moved.rows(); ++row)
-      for (Index column = 0; column < moved.cols(); ++column) {
+  for (Eigen::Index k = 0; k < at_zero; ++k, inputs_1 = (N * inputs_1).eval(), power *= N.norm()) {
+    const Eigen::MatrixXcd moved = outputs_1 * inputs_1;
+    for (Eigen::Index row = 0; row < moved.rows(); ++row)
+      for (Eigen::Index column = 0; column < moved.cols(); ++column) {
         const double output = scaled.C.row(row).norm(), input = scaled.B.col(column).norm();
         const double error =
             turned + divide(scaled.C_error.row(row).norm(), output) + divide(scaled.B_error.col(column).norm(), input);
@@ -114,11 +109,11 @@ SteadyGains calc_steady_gains(const LinearModel& model, Index at_zero, double sl
   if (others > 0) {
     // −A⁻¹ B and −C A⁻¹ of the others, twice, and the parts of both that are of the poles at 0.
     const auto T = schur.T.bottomRightCorner(others, others).triangularView<Eigen::Upper>();
-    const MatrixXcd inputs_2 = W2 * scaled.B, outputs_2 = scaled.C * V2;
-    const MatrixXcd once = T.solve(inputs_2), twice = T.solve(once);
-    const MatrixXcd dual = T.adjoint().solve(outputs_2.adjoint()).adjoint(),
-                    dual_twice = T.adjoint().solve(dual.adjoint()).adjoint();
-    const MatrixXd states = (V2 * once).cwiseAbs(), duals = (dual * W2).cwiseAbs();
+    const Eigen::MatrixXcd inputs_2 = W2 * scaled.B, outputs_2 = scaled.C * V2;
+    const Eigen::MatrixXcd once = T.solve(inputs_2), twice = T.solve(once);
+    const Eigen::MatrixXcd dual = T.adjoint().solve(outputs_2.adjoint()).adjoint(),
+                           dual_twice = T.adjoint().solve(dual.adjoint()).adjoint();
+    const Eigen::MatrixXd states = (V2 * once).cwiseAbs(), duals = (dual * W2).cwiseAbs();
     gains.values -= (outputs_2 * once).real();
     gains.errors += kRounding * scaled.C.rowwise().norm() * once.colwise().norm() + scaled.C_error * states +
                     duals * (scaled.A_error * states + scaled.B_error) +

@@ -5,36 +5,12 @@
 namespace unlatch {
 namespace {
 
-// True of the kinds that kernel/events/guards.cc computes without a quantity, because they are frequent or more than a
-// comparison. Every other kind compares a quantity of the plan.
-bool is_read_by_guards(Condition::Kind kind) {
-  using Kind = Condition::Kind;
-  switch (kind) {
-    case Kind::kTime:
-    case Kind::kReaction:
-    case Kind::kDisplacement:
-    case Kind::kAngle:
-    case Kind::kSpeed:
-    case Kind::kSignal:
-    case Kind::kMode:
-    case Kind::kClosed:
-    case Kind::kEngaged:
-    case Kind::kReach:
-    case Kind::kAll:
-    case Kind::kAny:
-    case Kind::kNot:
-      return true;
-    default:
-      return false;
-  }
-}
-
 // Appends a guard in postfix order. Returns the number of values that its evaluation keeps at once.
 std::int32_t compile_condition(const Model& model, const Condition& c, PlanDraft& plan) {
   std::int32_t depth = 1, subject = c.subject;
   for (std::size_t i = 0; i < c.parts.size(); ++i)
     depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(model, c.parts[i], plan));
-  if (!is_read_by_guards(c.kind)) {
+  if (!get_traits(c.kind).by_guards) {
     subject = add_quantity(get_quantity(model, c), plan);
     plan.quantities.back().guarded = true;
     plan.quantities.back().threshold = c.threshold;

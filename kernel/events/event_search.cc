@@ -283,8 +283,7 @@ bool may_split_at_corner(Run& run) {
   return end;
 }
 
-// --- Knots of what is burnt
-// -------------------------------------------------------------------------------------------
+// --- Knots of what is burnt ------------------------------------------------------------------------------------------
 
 // The time of the first knot up to `end`, of which the evaluation is; `end` if there is none, or kFailed. The
 // evaluation is of that time, guards_high too.
@@ -389,7 +388,7 @@ Reached advance_to_event(Run& run, double now, double target, Contacts contacts,
   if (!try_substep(run, start, target)) return {kFailed, false};
   keep_high(run);
   double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
-  if (end == target && may_split && run.plan.sought_corners) {  // the evaluation is of that time
+  if (run.plan.sought_corners && may_split && end == target) {  // the evaluation is of that time
     if (run.plan.place_corners) end = find_first_corner_time(run, start, end);
     if (!run.plan.varying.empty() && end != kFailed) end = find_burnt_knot_time(run, start, end);
     if (!run.plan.contacts.empty() && end != kFailed) end = find_feature_time(run, start, end);

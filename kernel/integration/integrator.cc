@@ -273,7 +273,7 @@ SubstepStart begin_substep(const Instant& now, Contacts contacts, Evaluation& ev
   SubstepStart start;  // most of its rows are never used
   start.t = now.t;
   start.independent_rows = ev.loop_count - ev.loop_redundant;
-  start.rigid_rows = get_independent_rigid_rows(ev);
+  start.rigid_rows = has_rigid_rows(plan) ? get_independent_rigid_rows(ev) : RigidSet{0};
   if (contacts == Contacts::kImplicit) begin_contact_rows(now, ev, start.contacts);
   return start;
 }

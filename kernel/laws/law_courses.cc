@@ -223,6 +223,17 @@ struct LawCourses::Context {
   bool held;
 };
 
+Course Course::of_parabola(double begin, double middle, double end) noexcept {
+  Course course{begin, middle, end, std::min({begin, middle, end}), std::max({begin, middle, end})};
+  const double bend = 2 * (begin - 2 * middle + end), rise = end - begin;
+  const double top = bend == 0 ? 0 : 0.5 * (1 - rise / bend);  // where it turns
+  if (!(top > 0 && top < 1)) return course;
+  const double value = begin + top * (rise + bend * (top - 1));
+  course.low = std::min(course.low, value);
+  course.high = std::max(course.high, value);
+  return course;
+}
+
 LawCourses::LawCourses(const Model& model, const Plan& plan)
     : plan_(plan),
       seen_(model.laws.size()),

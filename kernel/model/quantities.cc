@@ -59,6 +59,30 @@ constexpr std::array<Named, 12> kSensors{{{Kind::kPosition, false, Quantity::kAl
                                           {Kind::kClearance}}};
 static_assert(kSensors.size() == static_cast<std::size_t>(Sensor::Kind::kQuantity));
 
+using enum ConditionCourse;
+
+constexpr std::array<ConditionTraits, kConditions.size() + 1> kConditionTraits{{
+    // kind, course, at knots, by guards
+    {Condition::Kind::kTime, kOneWay, true, true},        {Condition::Kind::kReaction, kCurve, true, true},
+    {Condition::Kind::kDisplacement, kCurve, true, true}, {Condition::Kind::kAngle, kCurve, true, true},
+    {Condition::Kind::kSpeed, kCurve, true, true},        {Condition::Kind::kBodyRate, kCurve, true, false},
+    {Condition::Kind::kSignal, kSteps, true, true},       {Condition::Kind::kCommand, kSteps, true, false},
+    {Condition::Kind::kMode, kSteps, true, true},         {Condition::Kind::kAll, kParts, true, true},
+    {Condition::Kind::kAny, kParts, true, true},          {Condition::Kind::kNot, kParts, true, true},
+    {Condition::Kind::kBurnt, kOneWay, false, false},     {Condition::Kind::kDistance, kCurve, false, false},
+    {Condition::Kind::kClosed, kSteps, false, true},      {Condition::Kind::kForceSize, kCurve, true, false},
+    {Condition::Kind::kMomentSize, kCurve, true, false},  {Condition::Kind::kOneSidedForce, kCurve, false, false},
+    {Condition::Kind::kEngaged, kSteps, true, true},      {Condition::Kind::kReach, kCurve, false, true},
+    {Condition::Kind::kWound, kCurve, false, false},      {Condition::Kind::kBearing, kCurve, false, false},
+    {Condition::Kind::kQuantity, kCurve, true, false},
+}};
+constexpr bool are_in_order() {
+  for (std::size_t i = 0; i < kConditionTraits.size(); ++i)
+    if (static_cast<std::size_t>(kConditionTraits[i].kind) != i) return false;
+  return true;
+}
+static_assert(are_in_order());
+
 bool is_angular(const Model& model, const Quantity& quantity, const QuantityTraits& traits) {
   switch (traits.values) {
     case QuantityValues::kOfRow:
@@ -90,6 +114,15 @@ std::string describe_part(const Quantity& quantity, const QuantityTraits& traits
 }
 
 }  // namespace
+
+const ConditionTraits& get_traits(Condition::Kind kind) noexcept {
+  return kConditionTraits[static_cast<std::size_t>(kind)];
+}
+
+bool is_size(const Quantity& quantity) noexcept {
+  return get_traits(quantity.kind).values == QuantityValues::kVector && quantity.part == Quantity::kSize &&
+         quantity.direction.isZero();
+}
 
 Quantity get_quantity(const Model& model, const Condition& condition) {
   if (condition.kind == Condition::Kind::kQuantity) return model.quantities[at(condition.subject)];

@@ -24,6 +24,7 @@
 #include "kernel/events/rigid_friction.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
+#include "kernel/integration/rigid_rows.h"
 #include "kernel/integration/run.h"
 #include "kernel/quantities/quantities.h"
 
@@ -33,7 +34,7 @@ namespace {
 // Accepts the latest try: its motion becomes that of the state.
 void accept(Run& run) {
   store_substep(run.plan, run.ev(), run.state());
-  store_rigid_forces(run.plan, run.ev(), run.state());
+  if (has_rigid_rows(run.plan)) store_rigid_forces(run.plan, run.ev(), run.state());
   rearm(run.plan, run.state(), run.ev());
 }
 

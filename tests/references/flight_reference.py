@@ -97,16 +97,17 @@ G0, R0, GAS = 9.80665, 6356766.0, 8314.32 / 28.9644
 LAYERS = [(0, -6.5e-3), (11e3, 0), (20e3, 1e-3), (32e3, 2.8e-3), (47e3, 0), (51e3, -2.8e-3), (71e3, -2e-3)]
 
 
-def air(z):
-    """Density, pressure, temperature up to 86 km."""
+def air(z, layer=None):
+    """Density, pressure, temperature up to 86 km. A given layer's law goes on beyond its borders."""
     H = R0 * z / (R0 + z)
     T, p = 288.15, 101325.0
     for i, (base, lapse) in enumerate(LAYERS):
         top = LAYERS[i + 1][0] if i + 1 < len(LAYERS) else np.inf
-        rise = min(H, top) - base
+        last = H <= top if layer is None else i == layer
+        rise = (H if last else top) - base
         p *= np.exp(-G0 * rise / (GAS * T)) if lapse == 0 else (1 + lapse * rise / T) ** (-G0 / (GAS * lapse))
         T += lapse * rise
-        if H <= top:
+        if last:
             break
     return p / (GAS * T), p, T
 
@@ -133,16 +134,16 @@ def quaternion(R):
 
 
 class Body:
-    """mass, inertia (diagonal); forces(flow) -> force, moment in body axes, or none; wind(altitude) -> north, east, down."""
+    """mass, inertia (diagonal); forces(flow) -> force, moment in body axes, or none; wind(altitude) -> north, east, down; air(altitude)."""
 
-    def __init__(self, mass, inertia, forces=None, wind=None, torque=True):
-        self.mass, self.inertia, self.forces, self.wind, self.torque = mass, np.array(inertia, float), forces, wind, torque
+    def __init__(self, mass, inertia, forces=None, wind=None, torque=True, air=air):
+        self.mass, self.inertia, self.forces, self.wind, self.torque, self.air = mass, np.array(inertia, float), forces, wind, torque, air
 
     def flow(self, r, v, R, w):
         latitude, altitude = geodetic(r)
         axes = local_axes(latitude, np.arctan2(r[1], r[0]))
         through = v - np.cross(OMEGA, r) - axes @ (self.wind(altitude) if self.wind else np.zeros(3))
-        density, pressure, temperature = air(altitude)
+        density, pressure, temperature = self.air(altitude)
         return {"u": R.T @ through, "density": density, "sound": np.sqrt(1.4 * pressure / density), "w": w - R.T @ OMEGA,
                 "altitude": altitude}
 

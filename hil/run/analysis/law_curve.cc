@@ -58,16 +58,8 @@ void LawCurve::finish(Smallest* low, Smallest* high) {
 void LawCurve::update(const Interval& interval, double from, double to) {
   const double middle = 0.5 * (from + to);
   for (const Read& read : read_) {
-    Course& course = quantities_[at(read.quantity)];
-    course = {read.curve.calc(from), read.curve.calc(middle), read.curve.calc(to), 0, 0};
-    course.low = std::min({course.begin, course.middle, course.end});
-    course.high = std::max({course.begin, course.middle, course.end});
-    const double bend = 2 * (course.begin - 2 * course.middle + course.end), rise = course.end - course.begin;
-    const double top = bend == 0 ? 0 : 0.5 * (1 - rise / bend);
-    if (!(top > 0 && top < 1)) continue;
-    const double value = course.begin + top * (rise + bend * (top - 1));
-    course.low = std::min(course.low, value);
-    course.high = std::max(course.high, value);
+    quantities_[at(read.quantity)] =
+        Course::of_parabola(read.curve.calc(from), read.curve.calc(middle), read.curve.calc(to));
   }
   courses_.update(behind_, interval.commands, quantities_);
 }

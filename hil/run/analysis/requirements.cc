@@ -36,10 +36,7 @@ bool is_of_motion(const Requirement& r) {
 // The size of a vector, known at knots alone: near its zeros it has a corner, and its square has none.
 bool is_size(const Model& model, const Requirement& r) {
   if (r.quantity == Measure::kReaction || r.quantity == Measure::kSensor) return r.axis < 0;
-  if (r.quantity != Measure::kQuantity) return false;
-  const unlatch::Quantity& quantity = model.quantities[at(r.a)];
-  return get_traits(quantity.kind).values == QuantityValues::kVector && quantity.part == unlatch::Quantity::kSize &&
-         quantity.direction.isZero();
+  return r.quantity == Measure::kQuantity && unlatch::is_size(model.quantities[at(r.a)]);
 }
 
 // The quantity that is a law and that the requirement is on, itself or by a sensor's true value; null: none.

@@ -19,6 +19,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       accuracy_(scenario, simulation, request.accuracy),
       unseen_clearances_(scenario),
       unseen_crossings_(scenario.model) {
+  for (const UnsearchedEvent& unsearched : list_unsearched(scenario.model)) accuracy_.report_unsearched(unsearched);
   simulation.keep_motion();
 }
 
@@ -82,7 +83,8 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       separations_.add_piece(window_, from, to);
       for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
-      for (const UnseenCrossing& unseen : unseen_crossings_.find(window_, from, to)) accuracy_.report_unseen(unseen);
+      for (const UnseenCrossing& unseen : unseen_crossings_.find(window_, from, to, simulation_.get_inputs()))
+        accuracy_.report_unseen(unseen);
       continue;
     }
     contacts_.add_events(from, to);

@@ -15,40 +15,8 @@ using Kind = Condition::Kind;
 
 constexpr double kYes = 1e100, kNo = -1e100;
 
-bool combines(Kind kind) { return kind == Kind::kAll || kind == Kind::kAny || kind == Kind::kNot; }
-
-// True or false, and changed by events alone.
-bool is_logical(Kind kind) { return kind == Kind::kSignal || kind == Kind::kMode || kind == Kind::kEngaged; }
-
-bool is_known(Kind kind) {
-  switch (kind) {
-    case Kind::kTime:
-    case Kind::kReaction:
-    case Kind::kDisplacement:
-    case Kind::kAngle:
-    case Kind::kSpeed:
-    case Kind::kBodyRate:
-    case Kind::kSignal:
-    case Kind::kMode:
-    case Kind::kEngaged:
-    case Kind::kForceSize:
-    case Kind::kMomentSize:
-    case Kind::kQuantity:
-      return true;
-    default:
-      return false;
-  }
-}
-
-// The root of a smooth function, which has a corner where it is zero.
-bool is_size(const Model& model, const Condition& condition) {
-  if (condition.kind == Kind::kBodyRate || condition.kind == Kind::kForceSize || condition.kind == Kind::kMomentSize)
-    return true;
-  if (condition.kind != Kind::kQuantity) return false;
-  const unlatch::Quantity& quantity = model.quantities[at(condition.subject)];
-  return get_traits(quantity.kind).values == QuantityValues::kVector && quantity.part == unlatch::Quantity::kSize &&
-         quantity.direction.isZero();
-}
+ConditionCourse get_course(const Condition& condition) { return get_traits(condition.kind).course; }
+bool combines(const Condition& condition) { return get_course(condition) == ConditionCourse::kParts; }
 
 double calc_square(std::span<const double> values) {
   double sum = 0;
@@ -56,28 +24,57 @@ double calc_square(std::span<const double> values) {
   return sum;
 }
 
+// What a condition compares, part by part.
+struct Compared {
+  bool may_return = false;    // some part may become true and false again between knots
+  bool by_clearances = true;  // each of those parts has the search of unseen_clearances.h
+  std::string missing;        // the first that no knot has, in words
+};
+
+void look_at(const Model& model, const Condition& condition, bool negated, Compared& compared) {
+  negated = negated || condition.kind == Kind::kNot;
+  for (const Condition& part : condition.parts) look_at(model, part, negated, compared);
+  if (combines(condition)) return;
+  const ConditionTraits& traits = get_traits(condition.kind);
+  if (!traits.at_knots && compared.missing.empty()) compared.missing = describe(model, get_quantity(model, condition));
+  if (traits.course != ConditionCourse::kCurve) return;
+  compared.may_return = true;
+  if (condition.kind != Kind::kDistance || negated || !condition.below) compared.by_clearances = false;
+}
+
 }  // namespace
+
+std::vector<UnsearchedEvent> list_unsearched(const Model& model) {
+  std::vector<UnsearchedEvent> unsearched;
+  for (std::size_t i = 0; i < model.events.size(); ++i) {
+    if (model.events[i].when.kind == Kind::kReach) continue;  // where a pusher's, a stop's or a cord's own force begins
+    Compared compared;
+    look_at(model, model.events[i].when, false, compared);
+    if (compared.may_return && !compared.by_clearances && !compared.missing.empty())
+      unsearched.push_back({static_cast<int>(i), compared.missing});
+  }
+  return unsearched;
+}
 
 UnseenCrossings::UnseenCrossings(const Model& model) : model_(model) {
   const Model placed = place_markers(model);
   for (std::size_t i = 0; i < model.events.size(); ++i) {
     Guard guard{.event = static_cast<int>(i), .repeats = model.events[i].repeat};
     if (!list_leaves(model, placed, model.events[i].when, guard.leaves)) continue;
-    // Time alone, and what is true or false, is never missed.
-    if (std::ranges::any_of(guard.leaves, [](const Leaf& leaf) {
-          return leaf.condition.kind != Kind::kTime && !is_logical(leaf.condition.kind);
-        }))
+    // What goes one way, and what changes by events or at ticks, is never missed alone.
+    if (std::ranges::any_of(guard.leaves,
+                            [](const Leaf& leaf) { return get_course(leaf.condition) == ConditionCourse::kCurve; }))
       guards_.push_back(std::move(guard));
   }
 }
 
 bool UnseenCrossings::list_leaves(const Model& model, const Model& placed, const Condition& condition,
                                   std::vector<Leaf>& to) {
-  if (combines(condition.kind))
+  if (combines(condition))
     return std::ranges::all_of(condition.parts,
                                [&](const Condition& part) { return list_leaves(model, placed, part, to); });
-  if (!is_known(condition.kind)) return false;
-  Leaf leaf{.condition = condition, .squared = is_size(model, condition)};
+  if (!get_traits(condition.kind).at_knots) return false;
+  Leaf leaf{.condition = condition, .squared = is_size(get_quantity(model, condition))};
   if (condition.kind == Kind::kDisplacement || condition.kind == Kind::kAngle || condition.kind == Kind::kSpeed)
     leaf.joint.emplace(placed, condition.subject);
   to.push_back(std::move(leaf));
@@ -118,12 +115,27 @@ double UnseenCrossings::calc_value(const Leaf& leaf, const MotionKnot& knot) con
     }
     case Kind::kQuantity:
       return leaf.squared ? knot.quantities[subject] * knot.quantities[subject] : knot.quantities[subject];
-    default:
-      return kNo;
+    // Not curves, or not at knots.
+    case Kind::kSignal:
+    case Kind::kCommand:
+    case Kind::kMode:
+    case Kind::kAll:
+    case Kind::kAny:
+    case Kind::kNot:
+    case Kind::kBurnt:
+    case Kind::kDistance:
+    case Kind::kClosed:
+    case Kind::kOneSidedForce:
+    case Kind::kEngaged:
+    case Kind::kReach:
+    case Kind::kWound:
+    case Kind::kBearing:
+      break;
   }
+  return kNo;
 }
 
-void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, bool begins) const {
+void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, std::span<const double> commands, bool begins) const {
   for (Leaf& leaf : guard.leaves) {
     const auto subject = at(leaf.condition.subject);
     switch (leaf.condition.kind) {
@@ -136,17 +148,13 @@ void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, bool begins) con
       case Kind::kEngaged:
         leaf.holds = knot.state.engaged[subject] != 0;
         break;
-      default: {
-        if (begins) leaf.count = 0;
-        if (leaf.count == kCurvePoints) {
-          std::copy(leaf.times + 1, leaf.times + kCurvePoints, leaf.times);
-          std::copy(leaf.values + 1, leaf.values + kCurvePoints, leaf.values);
-          --leaf.count;
-        }
-        leaf.times[leaf.count] = knot.time;
-        leaf.latest = leaf.values[leaf.count] = calc_value(leaf, knot);
-        ++leaf.count;
-      }
+      case Kind::kCommand:
+        leaf.holds = leaf.condition.below ? commands[subject] <= leaf.condition.threshold
+                                          : commands[subject] >= leaf.condition.threshold;
+        break;
+      default:
+        leaf.latest = calc_value(leaf, knot);
+        leaf.curve.add(knot.time, *leaf.latest, begins);
     }
   }
   if (begins) guard.count = 0;
@@ -162,7 +170,7 @@ void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, bool begins) con
 
 double UnseenCrossings::calc(const Condition& condition, std::span<const Leaf> leaves, double time, std::size_t& next) {
   if (condition.kind == Kind::kNot) return -calc(condition.parts[0], leaves, time, next);
-  if (combines(condition.kind)) {
+  if (combines(condition)) {
     double value = calc(condition.parts[0], leaves, time, next);
     for (std::size_t i = 1; i < condition.parts.size(); ++i) {
       const double part = calc(condition.parts[i], leaves, time, next);
@@ -171,10 +179,8 @@ double UnseenCrossings::calc(const Condition& condition, std::span<const Leaf> l
     return value;
   }
   const Leaf& leaf = leaves[next++];
-  if (is_logical(condition.kind)) return leaf.holds ? kYes : kNo;
-  const auto count = static_cast<std::size_t>(leaf.count);
-  double value =
-      std::isnan(time) ? leaf.values[count - 1] : interpolate({leaf.times, count}, {leaf.values, count}, time);
+  if (get_course(condition) == ConditionCourse::kSteps) return leaf.holds ? kYes : kNo;
+  double value = std::isnan(time) ? leaf.curve.get_values().back() : leaf.curve.calc(time);
   if (leaf.squared) value = std::sqrt(std::max(value, 0.0));
   return condition.below ? condition.threshold - value : value - condition.threshold;
 }
@@ -187,15 +193,14 @@ double UnseenCrossings::calc(const Guard& guard, double time) const {
 // Its third difference is small beside the second: no jump or corner lies between the latest four knots.
 bool UnseenCrossings::is_smooth(const Leaf& leaf) {
   constexpr double kSmooth = 0.7;
-  if (is_logical(leaf.condition.kind) || leaf.count < 4) return true;
-  const double* const t = leaf.times + leaf.count - 4;
+  if (leaf.curve.get_values().size() < 4) return true;
+  const auto t = leaf.curve.get_times().last<4>(), values = leaf.curve.get_values().last<4>();
   double first[3], second[2];
-  for (int i = 0; i < 3; ++i)
-    first[i] = (leaf.values[leaf.count - 3 + i] - leaf.values[leaf.count - 4 + i]) / (t[i + 1] - t[i]);
-  for (int i = 0; i < 2; ++i) second[i] = (first[i + 1] - first[i]) / (t[i + 2] - t[i]);
+  for (std::size_t i = 0; i < 3; ++i) first[i] = (values[i + 1] - values[i]) / (t[i + 1] - t[i]);
+  for (std::size_t i = 0; i < 2; ++i) second[i] = (first[i + 1] - first[i]) / (t[i + 2] - t[i]);
   const double greatest = std::max(std::abs(second[0]), std::abs(second[1]));
   constexpr double kRounding = 1e-12;  // of a line the differences are rounding
-  const double size = std::abs(leaf.values[leaf.count - 1]) + std::abs(leaf.values[leaf.count - 2]);
+  const double size = std::abs(values[3]) + std::abs(values[2]);
   const double span = t[3] - t[1];
   return std::abs(second[1] - second[0]) <= kSmooth * greatest || greatest * span * span <= kRounding * size;
 }
@@ -224,7 +229,7 @@ void UnseenCrossings::find(const Guard& guard) {
 }
 
 std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window, const MotionKnot& from,
-                                                      const MotionKnot& to) {
+                                                      const MotionKnot& to, std::span<const double> commands) {
   found_.clear();
   for (Guard& guard : guards_) {
     const EventPhase phase = from.state.events[at(guard.event)].phase;
@@ -234,8 +239,8 @@ std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window
       continue;
     }
     const bool begins = guard.rests || !window.is_smooth();
-    if (begins) add(guard, from, true);
-    add(guard, to, false);
+    if (begins) add(guard, from, commands, true);
+    add(guard, to, commands, false);
     guard.rests = false;
     find(guard);
   }

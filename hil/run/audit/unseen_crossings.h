@@ -1,13 +1,14 @@
 // Events whose instants no knot shows: between two knots a condition on quantities became true, and false again, so
 // that the event did not act. Guards are known at knots alone; between them the quantities are the polynomials through
 // the latest five knots of a smooth run, of the size of a vector those of its square. Distances of shapes have their
-// own search (unseen_clearances.h). Conditions on forces of pushers and cords and on burnt masses are not searched, nor
-// are quantities that change too abruptly from knot to knot for a polynomial. Cost: some quantities for each event that
-// compares any, and knot.
+// own search (unseen_clearances.h). Conditions that read what no knot has, such as forces of pushers and windings of
+// cords, are not searched: list_unsearched() names them. Nor are quantities that change too abruptly from knot to knot
+// for a polynomial. Cost: some quantities for each event that compares any, and knot.
 #pragma once
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hil/run/motion/joint_frame.h"
@@ -22,13 +23,23 @@ struct UnseenCrossing {
   double from = 0, until = 0;  // s, while its condition held
 };
 
+// An event whose condition may hold within a step alone and is not searched for that; those by which pushers, stops and
+// cords engage are not listed.
+struct UnsearchedEvent {
+  int event = 0;      // index in the model
+  std::string reads;  // what no knot has: "force of pusher1"
+};
+std::vector<UnsearchedEvent> list_unsearched(const Model& model);
+
 class UnseenCrossings {
  public:
   // Keeps a reference.
   explicit UnseenCrossings(const Model& model);
 
   // Of the piece between these knots, to which the window has moved, and the one before it. Valid until the next call.
-  std::span<const UnseenCrossing> find(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // `commands`: in that piece.
+  std::span<const UnseenCrossing> find(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
+                                       std::span<const double> commands);
 
  private:
   // A condition without parts: its quantity at the latest knots, or true or false.
@@ -36,9 +47,8 @@ class UnseenCrossings {
     Condition condition;
     std::optional<JointGeometry> joint{};
     bool squared = false;  // the values are squares
-    bool holds = false;    // of one that is true or false from event to event
-    double times[kCurvePoints] = {}, values[kCurvePoints] = {};
-    int count = 0;
+    bool holds = false;    // of one that changes by events alone, or at ticks
+    SampledCurve curve{};
     std::optional<double> latest{};
   };
   struct Guard {
@@ -53,7 +63,7 @@ class UnseenCrossings {
 
   static bool list_leaves(const Model& model, const Model& placed, const Condition& condition, std::vector<Leaf>& to);
   [[nodiscard]] double calc_value(const Leaf& leaf, const MotionKnot& knot) const;
-  void add(Guard& guard, const MotionKnot& knot, bool begins) const;
+  void add(Guard& guard, const MotionKnot& knot, std::span<const double> commands, bool begins) const;
   // Value of a guard as the kernel has it, at a time about its latest knots; at the latest one for no number.
   [[nodiscard]] double calc(const Guard& guard, double time) const;
   static double calc(const Condition& condition, std::span<const Leaf> leaves, double time, std::size_t& next);

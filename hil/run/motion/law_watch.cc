@@ -99,15 +99,8 @@ void LawWatch::set_quantities(double from, double to) {
   for (const Path& path : paths_) {
     const double rise = path.end - path.begin;
     const auto value = [&](double s) { return path.begin + s * (rise + path.bend * (s - 1)); };
-    Course& course = quantities_[at(path.quantity)];
-    course = {value(from), value(0.5 * (from + to)), to == 1 ? path.end : value(to), 0, 0};
-    course.low = std::min({course.begin, course.middle, course.end});
-    course.high = std::max({course.begin, course.middle, course.end});
-    const double top = path.bend == 0 ? 0 : 0.5 * (1 - rise / path.bend);  // where the parabola turns
-    if (top > from && top < to) {
-      course.low = std::min(course.low, value(top));
-      course.high = std::max(course.high, value(top));
-    }
+    quantities_[at(path.quantity)] =
+        Course::of_parabola(value(from), value(0.5 * (from + to)), to == 1 ? path.end : value(to));
   }
 }
 

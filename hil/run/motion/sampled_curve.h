@@ -16,10 +16,10 @@ class SampledCurve {
   // Adds a knot, in the order of time; `begins`: it does not continue the curve before smoothly.
   void add(double time, double value, bool begins);
   // Value at a time near the latest knots.
-  [[nodiscard]] double calc(double time) const {
-    const auto count = static_cast<std::size_t>(count_);
-    return interpolate({times_, count}, {values_, count}, time);
-  }
+  [[nodiscard]] double calc(double time) const { return interpolate(get_times(), get_values(), time); }
+  // The latest knots of this smooth run, at most kCurvePoints.
+  [[nodiscard]] std::span<const double> get_times() const { return {times_, static_cast<std::size_t>(count_)}; }
+  [[nodiscard]] std::span<const double> get_values() const { return {values_, static_cast<std::size_t>(count_)}; }
 
  private:
   double times_[kCurvePoints] = {}, values_[kCurvePoints] = {};

@@ -22,7 +22,7 @@
 //   command    a commanded value that reverses faster than dt·ω = kAccurate: a control loop for which the delay of a
 //              tick and the hold matter
 //   search*    the search for events within a step reached a bound on its work: events left to the next tick, an
-//              inaccurate instant, a touch that may have been missed
+//              inaccurate instant, a touch that may have been missed; or an event's condition is not searched
 //   drift      a row's position residual; norm: that of a body's quaternion
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   cell*      a law that forces read looked a table up at places between which, from one tick to the next, there are
@@ -78,6 +78,8 @@ class NoticeWatch {
   void report_unseen(const UnseenClearance& unseen);
   // The condition of an event held for a part of a step alone.
   void report_unseen(const UnseenCrossing& unseen);
+  // Whether the condition of an event held for a part of a step alone is not searched.
+  void report_unsearched(const UnsearchedEvent& unsearched);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
   // Notices so far. Those of the audit of the step are about the whole run so far, and come last.
   [[nodiscard]] std::vector<RunNotice> get() const;

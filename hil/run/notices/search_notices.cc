@@ -103,4 +103,9 @@ void NoticeWatch::report_unseen(const UnseenCrossing& unseen) {
       list_all_bodies(scenario_.model));
 }
 
+void NoticeWatch::report_unsearched(const UnsearchedEvent& unsearched) {
+  add("search", get_guard_name(scenario_.model, unsearched.event),
+      "its condition is looked at where steps end, and not within them: it reads " + unsearched.reads, {});
+}
+
 }  // namespace unlatch::hil

@@ -83,6 +83,26 @@ int count_quantity_kinds() noexcept;
 const char* get_component_name(const QuantityTraits& traits, int part) noexcept;
 // Number of values of a kind with kAll.
 int count_values(const QuantityTraits& traits) noexcept;
+// True of the size of a vector: the root of a smooth function, which has a corner where it is zero.
+bool is_size(const Quantity& quantity) noexcept;
+
+// What a condition does between two knots of a smooth piece of motion (unlatch/motion.h).
+enum class ConditionCourse {
+  kParts,   // it combines its parts
+  kSteps,   // it changes by events alone, or at ticks
+  kOneWay,  // it compares what goes one way alone
+  kCurve,   // it compares a function of time, which may come back: it may hold there alone
+};
+
+// What is known of a kind of condition. No member has a default, so that a new kind says each of them.
+struct ConditionTraits {
+  Condition::Kind kind;    // in the order of the enumerators
+  ConditionCourse course;  // between knots
+  bool at_knots;           // a knot of the motion has what it compares; commands, which knots lack, count too
+  bool by_guards;          // kernel/events/guards.cc reads it without a quantity: frequent, or more than a comparison
+};
+// Traits of a kind of condition.
+const ConditionTraits& get_traits(Condition::Kind kind) noexcept;
 
 // Quantity that a condition without parts compares or looks at; that a sensor measures.
 Quantity get_quantity(const Model& model, const Condition& condition);

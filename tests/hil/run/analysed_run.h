@@ -39,4 +39,12 @@ struct AnalysedRun {
   hil::RunAnalysis analysis;
 };
 
+// Notices of the search for events.
+inline std::vector<hil::RunNotice> list_searches(const AnalysedRun& run) {
+  std::vector<hil::RunNotice> found;
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    if (notice.name == "search") found.push_back(notice);
+  return found;
+}
+
 }  // namespace unlatch::test

@@ -6,13 +6,6 @@
 namespace unlatch::test::search_notice_test {
 namespace {
 
-std::vector<hil::RunNotice> list_notices(const AnalysedRun& run) {
-  std::vector<hil::RunNotice> found;
-  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
-    if (notice.name == "search") found.push_back(notice);
-  return found;
-}
-
 // A bolt holds a motor whose thrust jumps within the first step of 10 ms. Beside the jump the reaction rises slowly.
 std::string build_ignition(const std::string& times, const std::string& thrusts, const std::string& breaks_at) {
   return R"(unlatch: 1
@@ -38,7 +31,7 @@ TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
                      "[0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.999, 20 kN, 22 kN]", "2 N"));
   EXPECT_EQ(run.analysis.search.unlocated, 1);
   EXPECT_EQ(run.analysis.search.postponed, 0);
-  const std::vector<hil::RunNotice> notices = list_notices(run);
+  const std::vector<hil::RunNotice> notices = list_searches(run);
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_EQ(notices[0].subject, "breaks");
   EXPECT_EQ(notices[0].time, 0.01);
@@ -51,7 +44,7 @@ TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
 TEST(SearchNotices, AThresholdInAJumpIsNotTakenForCrossedBesideIt) {
   const AnalysedRun run(build_ignition("[0, 3.1 ms, 3.100001 ms, 30 ms]", "[0.5, 1, 100 kN, 110 kN]", "10 N"));
   EXPECT_EQ(run.analysis.search.unlocated, 0);
-  EXPECT_TRUE(list_notices(run).empty());
+  EXPECT_TRUE(list_searches(run).empty());
   ASSERT_EQ(run.analysis.timeline.size(), 1u);
   EXPECT_NEAR(run.analysis.timeline[0].time, 0.0031, 2e-8);
 }
@@ -80,7 +73,7 @@ std::string pass(const std::string& name, const std::string& place) {
 TEST(SearchNotices, AnInstantThatIsLocatedIsNot) {
   const AnalysedRun run(build_slider(pass("early", "5e-10")));
   EXPECT_EQ(run.analysis.search.unlocated, 0);
-  EXPECT_TRUE(list_notices(run).empty());
+  EXPECT_TRUE(list_searches(run).empty());
   ASSERT_EQ(run.analysis.timeline.size(), 1u);
   EXPECT_NEAR(run.analysis.timeline[0].time, 1e-5, 1e-7);
 }
@@ -91,7 +84,7 @@ TEST(SearchNotices, MoreInstantsThanAStepHasAreTold) {
   const AnalysedRun run(build_slider(events));  // from 5 to 20 cm in the second step
   EXPECT_EQ(run.analysis.search.postponed, 4);
   EXPECT_EQ(run.analysis.timeline.size(), 12u);
-  const std::vector<hil::RunNotice> notices = list_notices(run);
+  const std::vector<hil::RunNotice> notices = list_searches(run);
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_NE(notices[0].text.find("more instants with events than its 8"), std::string::npos) << notices[0].text;
 }
@@ -120,7 +113,7 @@ bodies:
 TEST(SearchNotices, LooksForTouchesThatRunOutAreTold) {
   const AnalysedRun run(build_passing(6, 1e-5));
   EXPECT_GT(run.analysis.search.unseen, 0);
-  const std::vector<hil::RunNotice> notices = list_notices(run);
+  const std::vector<hil::RunNotice> notices = list_searches(run);
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_EQ(notices[0].subject.substr(0, 3), "hit");
   EXPECT_NE(notices[0].text.find("it may have touched and parted again within a step, up to "), std::string::npos)
@@ -131,7 +124,7 @@ TEST(SearchNotices, LooksForTouchesThatRunOutAreTold) {
 TEST(SearchNotices, TheContactOfAUnionOfShapesIsTheOneThatIsTold) {
   const AnalysedRun one(build_passing(6, 1e-5)), united(build_passing(6, 1e-5, kFarShape));
   EXPECT_EQ(united.analysis.search.unseen, one.analysis.search.unseen);
-  const std::vector<hil::RunNotice> expected = list_notices(one), notices = list_notices(united);
+  const std::vector<hil::RunNotice> expected = list_searches(one), notices = list_searches(united);
   ASSERT_EQ(expected.size(), 1u);
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_EQ(notices[0].subject, expected[0].subject);
@@ -140,7 +133,7 @@ TEST(SearchNotices, TheContactOfAUnionOfShapesIsTheOneThatIsTold) {
 TEST(SearchNotices, ABallThatPassesClearlyIsNot) {
   const AnalysedRun run(build_passing(1, 1e-2));
   EXPECT_EQ(run.analysis.search.unseen, 0);
-  EXPECT_TRUE(list_notices(run).empty());
+  EXPECT_TRUE(list_searches(run).empty());
 }
 
 }  // namespace

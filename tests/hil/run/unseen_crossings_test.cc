@@ -8,15 +8,8 @@
 
 #include "tests/hil/run/analysed_run.h"
 
-namespace unlatch::test {
+namespace unlatch::test::unseen_crossings_test {
 namespace {
-
-std::vector<hil::RunNotice> list_notices(const AnalysedRun& run) {
-  std::vector<hil::RunNotice> found;
-  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
-    if (notice.name == "search") found.push_back(notice);
-  return found;
-}
 
 // A slider on a spring: x = 1 m - cos(20/s t) m. At its peaks it is beyond 1.9995 m for 3.2 ms.
 std::string build_swing(const std::string& dt, const std::string& condition, const std::string& more = "") {
@@ -27,10 +20,13 @@ joints:
   rail: {between: [ground, slider], modes: {slides: {kind: prismatic, axis: x}}}
 elements:
   spring: {type: joint_spring, joint: rail, axis: x, stiffness: 400, rest: 1 m}
+  buffer: {type: pusher, between: [ground, slider], guide: [-1, 0, 0], stroke: 10 cm, preload: 0, stiffness: 0}
 quantities:
   x: {position: {body: slider, component: x}}
   square: {expression: "x * x", unit: m2}
 signals: [far]
+channels:
+  go: {initial: 0, range: [0, 1], safe: 0}
 events:
   - {name: hit, when: )" +
          condition + ", then: [{raise: far}]" + more + R"(}
@@ -55,18 +51,20 @@ TEST(UnseenCrossings, AConditionThatHoldsForAPartOfAStepIsUnresolvedAndThePropos
       "{all: [{quantity: x, above: 1.9995 m}, {time: 1 ms}]}",
       "{any: [{quantity: x, above: 1.9995 m}, {quantity: x, below: -1 m}]}",
       "{not: {quantity: x, below: 1.9995 m}}",
+      "{any: [{quantity: x, above: 1.9995 m}, {command: go, above: 0.5}]}",
+      "{all: [{quantity: x, above: 1.9995 m}, {command: go, below: 0.5}]}",
   };
   const double first = std::acos(-0.9995) / 20;  // s
   for (const std::string& condition : conditions) {
     const AnalysedRun run(build_swing("10 ms", condition));
     EXPECT_TRUE(run.analysis.timeline.empty()) << condition;
-    const std::vector<hil::RunNotice> notices = list_notices(run);
+    const std::vector<hil::RunNotice> notices = list_searches(run);
     ASSERT_EQ(notices.size(), 1u) << condition;
     EXPECT_EQ(notices[0].subject, "hit");
     EXPECT_TRUE(notices[0].unresolved);
     EXPECT_FALSE(run.judge("end").unresolved.empty());
     const AnalysedRun fine(build_swing(find_proposed_step(notices[0].text), condition));
-    EXPECT_TRUE(list_notices(fine).empty()) << condition;
+    EXPECT_TRUE(list_searches(fine).empty()) << condition;
     ASSERT_FALSE(fine.analysis.timeline.empty()) << notices[0].text;
     EXPECT_NEAR(fine.analysis.timeline[0].time, first, 1e-6) << condition;
     EXPECT_TRUE(fine.judge("end").unresolved.empty()) << fine.judge("end").unresolved;
@@ -78,14 +76,34 @@ TEST(UnseenCrossings, AConditionThatAnEventSawOrDidNotWaitForIsNotTaken) {
       build_swing("10 ms", "{quantity: x, above: 1.9 m}"),     // for 45 ms
       build_swing("10 ms", "{quantity: x, above: 2.0001 m}"),  // never
       build_swing("10 ms", "{all: [{quantity: x, above: 1.9995 m}, {signal: far}]}"),
+      build_swing("10 ms", "{all: [{quantity: x, above: 1.9995 m}, {command: go, above: 0.5}]}"),
       build_swing("10 ms", "{quantity: x, above: 1 m}"),  // it acted before
       build_swing("10 ms", "{quantity: x, above: 1 m}", ", repeat: true"),
   };
   for (const std::string& text : seen) {
     const AnalysedRun run(text);
-    EXPECT_TRUE(list_notices(run).empty()) << text << list_notices(run)[0].text;
+    EXPECT_TRUE(list_searches(run).empty()) << text << list_searches(run)[0].text;
     EXPECT_TRUE(run.judge("end").unresolved.empty()) << run.judge("end").unresolved;
   }
+}
+
+TEST(UnseenCrossings, AConditionThatReadsWhatNoTickHasIsReportedAsNotSearched) {
+  const std::string missing[] = {
+      "{force: buffer, above: 1 kN}",
+      "{all: [{quantity: x, above: 1.9995 m}, {force: buffer, below: 1 kN}]}",
+  };
+  for (const std::string& condition : missing) {
+    const AnalysedRun run(build_swing("10 ms", condition));
+    ASSERT_EQ(list_searches(run).size(), 1u) << condition;
+    EXPECT_EQ(list_searches(run)[0].subject, "hit");
+    EXPECT_NE(list_searches(run)[0].text.find("it reads force of buffer"), std::string::npos)
+        << list_searches(run)[0].text;
+    EXPECT_FALSE(list_searches(run)[0].unresolved);
+    EXPECT_TRUE(run.judge("end").unresolved.empty());
+  }
+  // Nothing of it may come and go between ticks.
+  EXPECT_TRUE(
+      list_searches(AnalysedRun(build_swing("10 ms", "{any: [{command: go, above: 0.5}, {time: 1}]}"))).empty());
 }
 
 // Two balls that pass each other at 2 m/s, nearer than 1 mm for 1 ms: their distance has a corner there.
@@ -105,10 +123,10 @@ requirements:
 )";
   };
   const AnalysedRun run(build("1 mm"));
-  ASSERT_EQ(list_notices(run).size(), 1u);
-  EXPECT_NE(list_notices(run)[0].text.find("at 0.251"), std::string::npos) << list_notices(run)[0].text;
+  ASSERT_EQ(list_searches(run).size(), 1u);
+  EXPECT_NE(list_searches(run)[0].text.find("at 0.251"), std::string::npos) << list_searches(run)[0].text;
   EXPECT_FALSE(run.judge("end").unresolved.empty());
-  EXPECT_TRUE(list_notices(AnalysedRun(build("0.05 mm"))).empty());
+  EXPECT_TRUE(list_searches(AnalysedRun(build("0.05 mm"))).empty());
 }
 
 // It passes a ball at 0.25 m within a step of 50 ms, 13 mm behind a tick. The size has all but a corner there.
@@ -127,4 +145,4 @@ requirements:
 }
 
 }  // namespace
-}  // namespace unlatch::test
+}  // namespace unlatch::test::unseen_crossings_test

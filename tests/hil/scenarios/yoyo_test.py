@@ -61,7 +61,9 @@ class YoyoTest(ProcessTest):
     def test_all_requirements_are_met_and_nothing_is_slack(self):
         found = run(YOYO)
         self.assertEqual([name for name, verdict in get_verdicts(found).items() if not verdict["met"]], [])
-        self.assertEqual(found["notices"], [])
+        # Windings and forces of cords are compared where steps end alone.
+        self.assertEqual({(notice["name"], notice["subject"], notice["unresolved"]) for notice in found["notices"]},
+                         {("accuracy.search", name, False) for name in ("overload", "unwound", "release")})
         names = [event["name"] for event in found["events"]]
         for name in ("taut", "slack", "overload"):
             self.assertNotIn(name, names)

@@ -18,6 +18,9 @@ struct PlanLawStep;  // kernel/plan/plan_laws.h
 // A number over a short time: at its beginning, in its middle and at its end; and bounds of it in between.
 struct Course {
   double begin = 0, middle = 0, end = 0, low = 0, high = 0;
+
+  // That of the parabola through these three, with its own bounds.
+  static Course of_parabola(double begin, double middle, double end) noexcept;
 };
 
 // Courses of the laws of a plan.
