@@ -58,6 +58,7 @@ double floor(double x) {
   const double towards_zero = static_cast<double>(static_cast<long long>(x));
   return __builtin_copysign(towards_zero > x ? towards_zero - 1 : towards_zero, x);
 }
+double ceil(double x) { return -floor(-x); }
 // To the nearest whole number, ties to even, for processors without an instruction: adding 2^52 rounds there.
 double nearbyint(double x) {
   constexpr double kWhole = 4503599627370496.0;

@@ -5,10 +5,10 @@
 
 namespace unlatch::cost {
 
-extern const Measured kX8664, kCortexM7;
+extern const Measured kX8664, kCortexM7, kCortexA53, kRiscv64;
 
 std::span<const Measured* const> list_measured() noexcept {
-  static constexpr std::array kAll = {&kX8664, &kCortexM7};
+  static constexpr std::array kAll = {&kX8664, &kCortexM7, &kCortexA53, &kRiscv64};
   return kAll;
 }
 

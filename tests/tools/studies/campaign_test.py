@@ -566,7 +566,8 @@ parameters:
         except ImportError:
             self.skipTest("no SciPy; `tools/setup long` installs it")
         names = "abcdef"
-        (self.folder / "ball.yaml").write_text(BALL + "constants: {" + ", ".join(f"{name}: 0" for name in names) + "}\n")
+        ball = BALL.replace("velocity: [0, 0, 0]", "velocity: [(a + b + c) * (1 m/s), (d + e + f) * (1 m/s), 0 m/s]")
+        (self.folder / "ball.yaml").write_text(ball + "constants: {" + ", ".join(f"{name}: 0" for name in names) + "}\n")
         path = self.folder / "c.yaml"
         path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsampling: sobol\nsamples: 256\nparameters:\n" + "".join(
             f"  {name}: {{path: constants.{name}, uniform: {{min: 0, max: 1}}}}\n" for name in names))

@@ -90,7 +90,8 @@ class OptimizeTest(ProcessTest):
         subprocess.run([UNLATCH, "run", self.folder / "o/patch.yaml"], check=True, capture_output=True)
 
     def test_torques_stiffnesses_and_energies_have_their_own_units(self):
-        (self.folder / "s.yaml").write_text(SCENARIO + "constants: {twist: 1 N m, spring: 1 N m/rad, damper: 1 N m s/rad, inertia: 1 kg m2, arm: 1 m}\n")
+        scenario = SCENARIO.replace("profile: 1 N", "profile: 1 N + 0 * (twist + spring * (1 rad) + damper * (1 rad/s) + inertia / (1 s)^2) / arm", 1)
+        (self.folder / "s.yaml").write_text(scenario + "constants: {twist: 1 N m, spring: 1 N m/rad, damper: 1 N m s/rad, inertia: 1 kg m2, arm: 1 m}\n")
         bounds = {"twist": "N m", "spring": "N m/rad", "damper": "N m s/rad", "inertia": "kg m2", "arm": "m"}
         variables = "".join(f"  {name}: {{path: constants.{name}, between: [1 {unit}, 2 {unit}]}}\n" for name, unit in bounds.items())
         head = PROBLEM.partition("variables:")[0].replace("scenario: s.yaml", "scenario: s.yaml\nset: {requirements.far.at_least: 0 m}")
