@@ -23,8 +23,10 @@ static int find(const unlatch_participant* p, int kind, const char* name, int bo
   return unlatch_participant_find(p, kind, whole);
 }
 
+/* Scenarios have one channel for all boosters, or one for each: a command goes to those that there are. */
 static void command(unlatch_participant* p, const char* name, int booster, double value) {
-  (void)unlatch_participant_command(p, find(p, UNLATCH_CATALOG_KIND_CHANNEL, name, booster), value);
+  const int channel = find(p, UNLATCH_CATALOG_KIND_CHANNEL, name, booster);
+  if (channel >= 0) (void)unlatch_participant_command(p, channel, value);
 }
 
 void unlatch_separation_begin(unlatch_separation* sequence) {
