@@ -223,8 +223,9 @@ class CasesTest(ProcessTest):
         junit = self.folder / "out.xml"
         report = self.fly("--pace", "realtime", "--until", "3", "--junit", junit, "--set", "requirements=[]", code=1, kill=1)
         self.assertIn("policy.safe", [event["name"] for event in report["session_events"]])
-        self.assertEqual([(limit["id"], limit["met"]) for limit in report["session_limits"]],
-                         [("flight_software.lost", False), ("flight_software.refused", True)])
+        limits = {limit["id"]: limit["met"] for limit in report["session_limits"]}
+        limits.pop("flight_software.overruns", None)  # on a busy machine ticks overrun; without a limit they are listed only
+        self.assertEqual(limits, {"flight_software.lost": False, "flight_software.refused": True})
         cases = {case.get("name"): case for case in ElementTree.parse(junit).iter("testcase")}
         self.assertIsNotNone(cases["flight_software.lost"].find("failure"))
 
