@@ -13,7 +13,7 @@
 //   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
 //              dt / tau beyond kAccurate
 //   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the
-//   start;
+//              start;
 //              a blow on several rough feet that is found to a part of its speeds only
 //   jump*      the point of contact of a face or a straight line jumps from end to end, and more than kJumpNotice of
 //              the bodies' rotation depends on which end bears the force; beyond kJumpFailure they are unresolved
