@@ -214,6 +214,7 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   plan.wind_knots = std::move(environment.wind);
   if (!plan.aerodynamics.empty()) plan.air_corners = std::move(environment.corners);
   plan.plain = plan.rigid && !plan.environment.exists;
+  plan.solved_once = plan.laws.list.empty() && plan.frictions.empty() && plan.rigid_pairs == 0;
   plan.time_corners = has_time_corners(model, plan);
   plan.place_corners = !plan.laws.corners.empty() || !plan.air_corners.empty();
   plan.sought_corners = plan.place_corners || has_masses(plan, true) || !plan.contacts.empty();

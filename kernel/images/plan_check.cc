@@ -14,9 +14,9 @@ void PlanCheck::check_numbers() {
   require(options.max_splits >= 1);
   require_kind(options.instruction_set, InstructionSet::k512);
   for (const bool* flag :
-       {&plan_.rigid, &plan_.plain, &plan_.commanded_loads, &plan_.pair_forces, &plan_.commanded_events,
-        &plan_.law_numbers.strict, &plan_.time_corners, &plan_.place_corners, &plan_.sought_corners,
-        &plan_.environment.exists, &plan_.environment.has_air, &plan_.environment.planet.falling,
+       {&plan_.rigid, &plan_.plain, &plan_.commanded_loads, &plan_.pair_forces, &plan_.solved_once,
+        &plan_.commanded_events, &plan_.law_numbers.strict, &plan_.time_corners, &plan_.place_corners,
+        &plan_.sought_corners, &plan_.environment.exists, &plan_.environment.has_air, &plan_.environment.planet.falling,
         &plan_.environment.planet.gradient_torque})
     require_flag(*flag);
   for (const std::int32_t count :
@@ -27,6 +27,7 @@ void PlanCheck::check_numbers() {
   if (!good_) return;
   require(plan_.rigid == (plan_.flexible.empty() && plan_.varying.empty()));
   require(plan_.plain == (plan_.rigid && !plan_.environment.exists));
+  require(plan_.solved_once == (plan_.laws.empty() && plan_.frictions.empty() && plan_.rigid_pairs == 0));
   require(plan_.contact_substeps >= -kMaxContactRefinement && plan_.contact_substeps != -1 &&
           plan_.contact_substeps <= kMaxContactSubsteps);
   require(plan_.channel_count >= 0 && at(plan_.channel_count) == plan_.initial_commands.size());

@@ -66,10 +66,10 @@ int add_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep, R
   return has_rigid_rows(now.plan) ? solve_rigid_rows(now, target, sweep, rows, ev) : kNone;
 }
 
-// Forces at the present kinematics, joint frames, coordinates and loads, and the accelerations that `solve(sweep)`
-// finds for them. Where a joint has friction, this is repeated with the friction of the latest reactions.
+// As solve_forces(), with forces that laws size, that depend on reactions or that can only push. Where a joint has
+// friction, the solution is repeated with the friction of the latest reactions.
 template <class Solve>
-int solve_forces(const Instant& now, Sweep sweep, RigidSet rigid, Evaluation& ev, const Solve& solve) {
+int solve_in_rounds(const Instant& now, Sweep sweep, RigidSet rigid, Evaluation& ev, const Solve& solve) {
   const PlanData& plan = now.plan;
   if (!plan.laws.empty()) update_loads_by_laws(now, ev);
   const bool friction = !plan.frictions.empty() && has_friction(now);
@@ -86,8 +86,25 @@ int solve_forces(const Instant& now, Sweep sweep, RigidSet rigid, Evaluation& ev
     if (const int node = add_rigid_rows(now, RigidTarget::kAcceleration, sweep, rigid, ev); node != kNone) return node;
     split_redundant_rows(plan, now.state, ev);
   }
-  if (!plan.rigid) update_modal_rates(plan, ev);
   return kNone;
+}
+
+template <class Solve>
+int solve_once(const Instant& now, const Sweep& sweep, Evaluation& ev, const Solve& solve) {
+  update_forces(now, ev);
+  if (const int node = solve(sweep); node != kNone) return node;
+  if (sweep.multipliers) split_redundant_rows(now.plan, now.state, ev);
+  return kNone;
+}
+
+// Forces at the present kinematics, joint frames, coordinates and loads, and the accelerations that `solve(sweep)`
+// finds for them.
+template <class Solve>
+int solve_forces(const Instant& now, const Sweep& sweep, RigidSet rigid, Evaluation& ev, const Solve& solve) {
+  const int node =
+      now.plan.solved_once ? solve_once(now, sweep, ev, solve) : solve_in_rounds(now, sweep, rigid, ev, solve);
+  if (node == kNone && !now.plan.rigid) update_modal_rates(now.plan, ev);
+  return node;
 }
 
 // Accelerations at the present kinematics, joint frames and loads.

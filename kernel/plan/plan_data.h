@@ -54,6 +54,7 @@ struct PlanNumbers {
   bool commanded_loads = false;         // a command decides the size of some load, or some law
   std::int32_t contact_substeps = 1;    // kAutomaticSubsteps, or a number
   bool pair_forces = false;             // there is an element other than loads
+  bool solved_once = true;              // no laws, joint friction or rigid contacts: one solution has all forces
   std::int32_t rigid_pairs = 0;         // of PlanLists::contact_pairs, those of rigid contacts
   bool time_corners = false;            // forces may have some whose time is known: kernel/events/corners.h
   bool place_corners = false;           // likewise some at places that laws or altitudes pass
