@@ -26,7 +26,8 @@ std::string describe_number(const Json& value, const char* form) {
 // Tolerance limits on each side on which the requirement has a limit.
 std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
-  if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());
+  if (!tolerance.contains("lower"))
+    return format("needs %lld samples", tolerance.at("samples_needed").get<long long>());
   std::string text;
   if (!requirement.at("at_least").is_null())
     text = format("≥ %.5g", to_shown(requirement, tolerance.at("lower").get<double>()));
@@ -204,8 +205,8 @@ void print_summary(std::FILE* to, const Json& summary) {
       std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
           ": failures, their part, 95 % bounds of its probability (Clopper-Pearson), quantiles of the value, what 99 % "
           "of all runs keep to with 95 % confidence (Wilks)");
-  std::fprintf(to, "  %-16s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s  %s\n", "", "failed", "missing", "part",
-               "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "tolerance");
+  std::fprintf(to, "  %-16s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s %-6s %s\n", "", "failed", "missing", "part",
+               "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "", "tolerance");
   for (const Json& requirement : summary.at("requirements")) {
     const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
     const bool failed = requirement.at("failed") > 0;
@@ -215,13 +216,13 @@ void print_summary(std::FILE* to, const Json& summary) {
     };
     const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
     std::fprintf(
-        to, "  %-16s %s %8lld %9s  %-25s %10s %10s %10s %10s %10s  %s %s\n",
+        to, "  %-16s %s %8lld %9s  %-25s %10s %10s %10s %10s %10s %-6s %s\n",
         requirement.at("id").get<std::string>().c_str(),
         paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
             .c_str(),
         requirement.at("not_evaluated").get<long long>(), text(requirement.at("estimate")).c_str(), bounds.c_str(),
         shown("0.01").c_str(), shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(),
-        shown("0.99").c_str(), describe_tolerance(requirement).c_str(), get_shown_unit(requirement).c_str());
+        shown("0.99").c_str(), get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
   }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");

@@ -100,6 +100,9 @@ void RankedVariables::add(const std::vector<double>& x) {
   const std::vector<double> ranks = calc_ranks(present);
   Ranks& own = variables_.emplace_back();
   own.gaps = present.size() < x.size();
+  own.centred.reserve(x.size());
+  const double mean = present.empty() ? 0 : calc_mean(present);  // of large values little would be left of the squares
+  for (const double value : x) own.centred.push_back(value - mean);
   own.twice.reserve(x.size());
   std::size_t next = 0;
   for (const double value : x)
@@ -121,17 +124,34 @@ std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y)
 
 namespace {
 
-// Number, mean and sum of squares about the mean of values that come one by one, and without some of them again.
+// Sums over points (x, y) that come one by one, and without some of them again.
 struct Moments {
-  double count = 0, sum = 0, square = 0;
+  double count = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 
   void add(const Moments& other, double sign) {
     count += sign * other.count;
-    sum += sign * other.sum;
-    square += sign * other.square;
+    x += sign * other.x;
+    y += sign * other.y;
+    xx += sign * other.xx;
+    xy += sign * other.xy;
+    yy += sign * other.yy;
   }
-  [[nodiscard]] double calc_spread() const { return count > 0 ? square - sum * sum / count : 0; }
+  [[nodiscard]] double calc_spread() const { return count > 0 ? yy - y * y / count : 0; }
 };
+Moments make_moments(double x, double y) { return {1, x, y, x * x, x * y, y * y}; }
+
+// What a straight line through the points of a bin leaves of their spread, and how many numbers it has: a bin of one
+// value of x, or of two points, has its mean alone.
+struct Rest {
+  double spread = 0, numbers = 0;
+};
+Rest calc_rest(const Moments& bin) {
+  if (!(bin.count > 0)) return {};
+  const double mean_only = bin.calc_spread(), width = bin.xx - bin.x * bin.x / bin.count;
+  if (bin.count < 3 || !(width > 1e-12 * bin.xx)) return {mean_only, 1};
+  const double slope_part = bin.xy - bin.x * bin.y / bin.count;
+  return {std::max(0.0, mean_only - slope_part * slope_part / width), 2};
+}
 
 constexpr std::size_t kParts = 20;    // of the jackknife
 constexpr double kStudent19 = 2.093;  // 97.5 % of Student's t with 19 degrees of freedom
@@ -141,8 +161,9 @@ double calc_epsilon_squared(const std::vector<Moments>& bins) {
   double within = 0, used = 0;
   for (const Moments& bin : bins) {
     all.add(bin, 1);
-    within += bin.calc_spread();
-    used += bin.count > 0 ? 1 : 0;
+    const Rest rest = calc_rest(bin);
+    within += rest.spread;
+    used += rest.numbers;
   }
   const double total = all.calc_spread();
   if (!(total > 0) || used < 2 || all.count <= used) return kNaN;
@@ -177,25 +198,25 @@ FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y) con
   for (const double value : y)
     if (!std::isnan(value)) present.push_back(value);
   const double mean = present.empty() ? 0 : calc_mean(present), n = static_cast<double>(present.size());
-  constexpr double kLeastBins = 4, kMostBins = 50;
-  out.bins = static_cast<std::size_t>(std::clamp(std::floor(std::sqrt(n) / 2), kLeastBins, kMostBins));
+  constexpr double kLeastBins = 3, kMostBins = 33;
+  out.bins = static_cast<std::size_t>(std::clamp(std::floor(std::sqrt(n) / 3), kLeastBins, kMostBins));
   const auto bins = static_cast<double>(out.bins);
   if (n < 2 * kParts) {
     out.of_inputs.assign(variables_.size(), {kNaN, {kNaN, kNaN}});
     out.significant = kNaN;
     return out;
   }
-  // of the part between the bins, which is beta distributed where there is no influence
-  const double chance = calc_beta_quantile(0.5 * (bins - 1), 0.5 * (n - bins), kConfidence);
-  out.significant = 1 - (1 - chance) * (n - 1) / (n - bins);
+  // of the part that the lines explain, which is beta distributed where there is no influence
+  const double numbers = 2 * bins;
+  const double chance = calc_beta_quantile(0.5 * (numbers - 1), 0.5 * (n - numbers), kConfidence);
+  out.significant = 1 - (1 - chance) * (n - 1) / (n - numbers);
   for (const Ranks& variable : variables_) {
     std::vector<std::vector<Moments>> parts(kParts, std::vector<Moments>(out.bins));
     const auto count = static_cast<double>(variable.twice.size());
     for (std::size_t i = 0; i < y.size(); ++i) {
       if (std::isnan(y[i]) || variable.twice[i] == kNoRank) continue;
-      const double centred = y[i] - mean;  // of large values little would be left of the squares
       const auto bin = static_cast<std::size_t>(0.5 * variable.twice[i] / count * bins);
-      parts[i % kParts][std::min(bin, out.bins - 1)].add({1, centred, centred * centred}, 1);
+      parts[i % kParts][std::min(bin, out.bins - 1)].add(make_moments(variable.centred[i], y[i] - mean), 1);
     }
     out.of_inputs.push_back(calc_first_order(parts));
   }

@@ -48,20 +48,22 @@ struct FirstOrders {
   std::size_t bins = 0;
 };
 
-// The same of one variable with each of several, of which it keeps the ranks alone.
+// The same of one variable with each of several.
 class RankedVariables {
  public:
   void add(const std::vector<double>& x);
   [[nodiscard]] std::vector<double> calc_spearman(const std::vector<double>& y) const;
-  // The values are sorted into √N/2 bins (4 to 50) of equal numbers by their ranks; equal values share a bin.
-  // ε² = 1 − (within/(N − bins))/(total/(N − 1)) (Kelley 1935), which is unbiased where there is no influence, and too
-  // small by index/bins² for a line, by 5 index/bins² for a parabola. Intervals: jackknife over 20 interleaved parts of
-  // the samples, Student's t. The significance is that of the F test, exact for normal outputs.
+  // The values are sorted into √N/3 bins (3 to 33) of equal numbers by their ranks; equal values share a bin. Each bin
+  // has a straight line of least squares, all of them p = 2 bins numbers; of one value of x the mean alone.
+  // ε² = 1 − (rest/(N − p))/(total/(N − 1)) (Kelley 1935), which is unbiased where there is no influence and for a
+  // line, and too small by index/bins⁴ for a parabola over a uniform input. Intervals: jackknife over 20 interleaved
+  // parts of the samples, Student's t. The significance is that of the F test, exact for normal outputs.
   [[nodiscard]] FirstOrders calc_first_orders(const std::vector<double>& y) const;
 
  private:
   struct Ranks {
     std::vector<std::uint32_t> twice;  // each rank, which is then whole; kNoRank of a NaN
+    std::vector<double> centred;       // the values less their mean
     bool gaps = false;
   };
   static constexpr std::uint32_t kNoRank = 0xffffffff;

@@ -71,7 +71,7 @@ void print_separation(std::FILE* to, const RunReport& report, const hil::Separat
                pair.pushes ? ": a spring still acts at the end of the run" : "",
                pair.rejoined ? "; joined again later" : "");
   std::fprintf(to, "    relative velocity        %.6g m/s along %s, %.6g m/s across\n", pair.along, pair.axis.c_str(),
-               pair.across);
+               drop_rounding(pair.across, std::abs(pair.along)));
   std::fprintf(to, "    relative rate            axial %9.4f, transverse %9.4f deg/s\n",
                to_shown_rate(pair.relative.axial), to_shown_rate(pair.relative.transverse));
   print_side(to, report, pair.base);
