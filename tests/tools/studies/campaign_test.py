@@ -273,7 +273,7 @@ parameters:
         review = (out / "review.md").read_text()
         self.assertIn("| slow | It \\| turns slowly | deg/s |  | 2 | met |", review)
         self.assertIn("| y | mm |", review)
-        self.assertRegex(printed, r"slow .* deg/s\n")
+        self.assertRegex(printed, r"slow .* deg/s +needs 299 samples\n")
         # The page has them too, and the row of a run that misses any requirement.
         page = self.folder / "page.html"
         self.run_ok(UNLATCH, "campaign", "report", out, "--out", page, "--flights", "0")
