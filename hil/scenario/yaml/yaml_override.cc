@@ -61,11 +61,16 @@ std::string without_digits(std::string name) {
   return name;
 }
 
-// Refuses a path that continues into an absent key whose name is close to an existing one: a misspelling, unless the
-// two differ in a number (spring4 beside spring3).
-void refuse_misspelt(const YamlNode& mapping, const std::string& part, const SourceMark& mark) {
+// Refuses a path that continues into an absent key whose name is close to an existing one into which it might: a
+// misspelling, unless the two differ in a number (spring4 beside spring3).
+void refuse_misspelt(const YamlNode& mapping, const std::string& part, const std::string& next,
+                     const SourceMark& mark) {
+  const auto continues = [&](const YamlNode& node) {
+    return node.is_mapping() || (node.is_sequence() && (parse_index(next) || find_entry(node, next, mark) != nullptr));
+  };
   std::vector<std::string> known;
-  for (const auto& key : mapping.keys) known.push_back(key.text);
+  for (std::size_t i = 0; i < mapping.keys.size(); ++i)
+    if (continues(mapping.items[i])) known.push_back(mapping.keys[i].text);
   const std::string* const nearest = find_nearest(part, known, part.size() < 6 ? 1 : 2);
   if (part.size() >= 4 && nearest && without_digits(*nearest) != without_digits(part))
     throw YamlError(mark, "there is no '" + part + "'",
@@ -220,10 +225,10 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
       throw YamlError(mark, "'" + parts[0] + "' is worked out before values are replaced",
                       "name what it makes: bodies.booster1.mass");
   YamlNode* node = &root;
-  for (const std::string& part : parts) {
-    if (node->kind == YamlNode::Kind::kMapping && &part != &parts.back() && !node->find(part))
-      refuse_misspelt(*node, part, mark);
-    node = &step_into(*node, part, mark);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (node->kind == YamlNode::Kind::kMapping && i + 1 < parts.size() && !node->find(parts[i]))
+      refuse_misspelt(*node, parts[i], parts[i + 1], mark);
+    node = &step_into(*node, parts[i], mark);
   }
   if (parts.size() == 2 && parts[0] == "constants" && node->is_scalar()) keep_unit(parts[1], root, value);
   *node = std::move(value);
