@@ -54,10 +54,12 @@ struct Files {
 };
 
 void apply_overrides(const std::vector<std::string>& overrides, YamlNode& root, Mistakes& mistakes) {
+  accept_read_overrides(root);
   for (const std::string& text : overrides) {
     const int index = mistakes.add_override(text);
     try {
       apply_override(text, index, root);
+      accept_read_overrides(root);
     } catch (const YamlError& e) {
       mistakes.add(e.mark, e.what(), e.mend);
     }

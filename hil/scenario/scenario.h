@@ -38,7 +38,7 @@ struct FlightSoftware {
   // Most that a run may have to be passed; beyond it the run is failed, whatever its requirements say.
   struct Limits {
     int lost = 0;                    // times that a required participant was lost
-    double late = 1;                 // late commands, as a part of the run's ticks
+    double late = 0.01;              // late commands, as a part of the run's ticks
     int refused = 0;                 // commands of participants that were refused
     std::optional<int> malformed{};  // messages that were none
     std::optional<int> unused{};     // commands for ticks that the run did not reach

@@ -60,21 +60,33 @@ constexpr std::array<Named, 12> kSensors{{{Kind::kPosition, false, Quantity::kAl
 static_assert(kSensors.size() == static_cast<std::size_t>(Sensor::Kind::kQuantity));
 
 using enum ConditionCourse;
+using At = ConditionAtKnots;
 
 constexpr std::array<ConditionTraits, kConditions.size() + 1> kConditionTraits{{
     // kind, course, at knots, by guards
-    {Condition::Kind::kTime, kOneWay, true, true},        {Condition::Kind::kReaction, kCurve, true, true},
-    {Condition::Kind::kDisplacement, kCurve, true, true}, {Condition::Kind::kAngle, kCurve, true, true},
-    {Condition::Kind::kSpeed, kCurve, true, true},        {Condition::Kind::kBodyRate, kCurve, true, false},
-    {Condition::Kind::kSignal, kSteps, true, true},       {Condition::Kind::kCommand, kSteps, true, false},
-    {Condition::Kind::kMode, kSteps, true, true},         {Condition::Kind::kAll, kParts, true, true},
-    {Condition::Kind::kAny, kParts, true, true},          {Condition::Kind::kNot, kParts, true, true},
-    {Condition::Kind::kBurnt, kOneWay, false, false},     {Condition::Kind::kDistance, kCurve, false, false},
-    {Condition::Kind::kClosed, kSteps, false, true},      {Condition::Kind::kForceSize, kCurve, true, false},
-    {Condition::Kind::kMomentSize, kCurve, true, false},  {Condition::Kind::kOneSidedForce, kCurve, false, false},
-    {Condition::Kind::kEngaged, kSteps, true, true},      {Condition::Kind::kReach, kCurve, false, true},
-    {Condition::Kind::kWound, kCurve, false, false},      {Condition::Kind::kBearing, kCurve, false, false},
-    {Condition::Kind::kQuantity, kCurve, true, false},
+    {Condition::Kind::kTime, kOneWay, At::kTime, true},
+    {Condition::Kind::kReaction, kCurve, At::kRow, true},
+    {Condition::Kind::kDisplacement, kCurve, At::kCoordinates, true},
+    {Condition::Kind::kAngle, kCurve, At::kCoordinates, true},
+    {Condition::Kind::kSpeed, kCurve, At::kSpeeds, true},
+    {Condition::Kind::kBodyRate, kCurve, At::kRates, false},
+    {Condition::Kind::kSignal, kSteps, At::kSignals, true},
+    {Condition::Kind::kCommand, kSteps, At::kCommands, false},
+    {Condition::Kind::kMode, kSteps, At::kModes, true},
+    {Condition::Kind::kAll, kParts, At::kInParts, true},
+    {Condition::Kind::kAny, kParts, At::kInParts, true},
+    {Condition::Kind::kNot, kParts, At::kInParts, true},
+    {Condition::Kind::kBurnt, kOneWay, At::kNowhere, false},
+    {Condition::Kind::kDistance, kCurve, At::kNowhere, false},
+    {Condition::Kind::kClosed, kSteps, At::kNowhere, true},
+    {Condition::Kind::kForceSize, kCurve, At::kForceRows, false},
+    {Condition::Kind::kMomentSize, kCurve, At::kMomentRows, false},
+    {Condition::Kind::kOneSidedForce, kCurve, At::kNowhere, false},
+    {Condition::Kind::kEngaged, kSteps, At::kEngaged, true},
+    {Condition::Kind::kReach, kCurve, At::kNowhere, true},
+    {Condition::Kind::kWound, kCurve, At::kNowhere, false},
+    {Condition::Kind::kBearing, kCurve, At::kNowhere, false},
+    {Condition::Kind::kQuantity, kCurve, At::kQuantities, false},
 }};
 constexpr bool are_in_order() {
   for (std::size_t i = 0; i < kConditionTraits.size(); ++i)

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/study/evaluation/results.h"
 #include "hil/study/sampling/subset.h"
 #include "hil/study/statistics/statistics.h"
 #include "tools/campaign/column_statistics.h"
@@ -59,6 +60,19 @@ Json list_unresolved(const CampaignData& data) {
   for (std::size_t row = 0; row < data.rows; ++row)
     if (data.table->get_status(row) == hil::SampleStatus::kUnresolved) samples.push_back(data.table->get_sample(row));
   return samples;
+}
+
+Json count_blows(const CampaignData& data) {
+  std::vector<std::string> ids;
+  for (const Json& requirement : data.manifest.at("requirements"))
+    ids.push_back(requirement.at("id").get<std::string>());
+  Json counts = Json::object();
+  for (std::size_t row = 0; row < data.rows && !ids.empty(); ++row) {
+    if (data.table->get_status(row) != hil::SampleStatus::kDone) continue;
+    for (const std::string& id : hil::list_blows(data.table->read(row).result.message, ids))
+      counts[id] = counts.value(id, 0) + 1;
+  }
+  return counts;
 }
 
 Json describe_requirement(const CampaignData& data, const Json& requirement) {

@@ -10,6 +10,9 @@ namespace unlatch::tools {
 Json describe_requirement(const CampaignData& data, const Json& requirement);
 // Failures of any requirement, and bounds of their probability.
 Json describe_any_failure(const CampaignData& data);
+// How many of the samples have values of requirements on reactions that leave out the impulse of a blow: by the
+// requirements' names; those without such a sample are left out.
+Json count_blows(const CampaignData& data);
 // Numbers of the unresolved samples.
 Json list_unresolved(const CampaignData& data);
 // Numbers of the worst samples: faults first, then by the smallest margin of all that a sample may fail, in units of

@@ -1,5 +1,7 @@
 #include "tools/campaign/summary.h"
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/study/statistics/statistics.h"
@@ -37,8 +39,13 @@ Json build_summary(const CampaignData& all) {
     summary["drawn"] = data.rows;
     summary["rare"] = describe_rare(all, *failure);
   }
-  for (const Json& requirement : data.manifest.at("requirements"))
-    summary["requirements"].push_back(describe_requirement(data, requirement));
+  const Json blows = count_blows(data);
+  for (const Json& requirement : data.manifest.at("requirements")) {
+    Json described = describe_requirement(data, requirement);
+    const std::string id = requirement.at("id");
+    if (blows.contains(id)) described["without_blow"] = blows.at(id);
+    summary["requirements"].push_back(std::move(described));
+  }
   if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data);
   summary["unresolved"] = list_unresolved(all);
   summary["orders"] = list_orders(data);

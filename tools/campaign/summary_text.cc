@@ -224,6 +224,15 @@ void print_summary(std::FILE* to, const Json& summary) {
         shown("0.01").c_str(), shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(),
         shown("0.99").c_str(), get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
   }
+  for (const Json& requirement : summary.at("requirements")) {
+    if (!requirement.contains("without_blow")) continue;
+    std::fprintf(to, "  %s\n",
+                 paint(to, Colour::kYellow,
+                       "note: the values of " + requirement.at("id").get<std::string>() + " in " +
+                           count(requirement.at("without_blow").get<long long>(), "sample") +
+                           " are without the impulse of a blow through the joint")
+                     .c_str());
+  }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");
     std::fprintf(to, "  any requirement: %lld failed, %lld unresolved, probability %s, bounds %.2e … %.2e\n",

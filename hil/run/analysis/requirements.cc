@@ -51,18 +51,11 @@ const unlatch::Quantity* find_law(const Model& model, const Requirement& r) {
 
 // Joint whose reaction it is, itself, as a quantity or as a sensor has it; none.
 int find_reaction(const Model& model, const Requirement& r) {
-  using Is = unlatch::Quantity::Kind;
   if (r.quantity == Measure::kReaction) return r.a;
-  int quantity = r.quantity == Measure::kQuantity ? r.a : kNone;
-  if (r.quantity == Measure::kSensor) {
-    const Sensor& sensor = model.sensors[at(r.a)];
-    if (sensor.kind == Sensor::Kind::kReaction) return sensor.subject;
-    if (sensor.kind == Sensor::Kind::kQuantity) quantity = sensor.subject;
-  }
-  if (quantity == kNone) return kNone;
-  const unlatch::Quantity& of = model.quantities[at(quantity)];
-  const bool is_reaction = of.kind == Is::kReaction || of.kind == Is::kReactionForce || of.kind == Is::kReactionMoment;
-  return is_reaction ? of.subject : kNone;
+  if (r.quantity != Measure::kQuantity && r.quantity != Measure::kSensor) return kNone;
+  const bool is_quantity = r.quantity == Measure::kQuantity;
+  const unlatch::Quantity of = is_quantity ? model.quantities[at(r.a)] : get_quantity(model, model.sensors[at(r.a)]);
+  return get_traits(of.kind).of_reaction ? of.subject : kNone;
 }
 
 // Change of a velocity at an event, relative to the largest of the assembly, beyond which it is a blow, not rounding.

@@ -18,7 +18,8 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       separations_(scenario, request.pushes),
       accuracy_(scenario, simulation, request.accuracy),
       unseen_clearances_(scenario),
-      unseen_crossings_(scenario.model) {
+      unseen_crossings_(scenario.model),
+      unseen_engagements_(scenario.model) {
   for (const UnsearchedEvent& unsearched : list_unsearched(scenario.model)) accuracy_.report_unsearched(unsearched);
   simulation.keep_motion();
 }
@@ -84,6 +85,8 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
       for (const UnseenCrossing& unseen : unseen_crossings_.find(window_, from, to, simulation_.get_inputs()))
+        accuracy_.report_unseen(unseen);
+      for (const UnseenEngagement& unseen : unseen_engagements_.find(window_, from, to))
         accuracy_.report_unseen(unseen);
       continue;
     }

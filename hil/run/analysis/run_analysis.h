@@ -14,6 +14,7 @@
 #include "hil/run/analysis/requirements.h"
 #include "hil/run/analysis/separations.h"
 #include "hil/run/audit/unseen_crossings.h"
+#include "hil/run/audit/unseen_engagements.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/motion_window.h"
@@ -102,6 +103,7 @@ class RunAnalysis {
   NoticeWatch accuracy_;
   UnseenClearances unseen_clearances_;
   UnseenCrossings unseen_crossings_;
+  UnseenEngagements unseen_engagements_;
 };
 
 // Returns the tick nearest to a time.

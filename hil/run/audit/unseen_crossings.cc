@@ -26,7 +26,8 @@ double calc_square(std::span<const double> values) {
 
 // What a condition compares, part by part.
 struct Compared {
-  bool may_return = false;    // some part may become true and false again between knots
+  bool may_return = false;    // some part, or two that go one way, may become true and false again between knots
+  int one_way = 0;            // parts that go one way
   bool by_clearances = true;  // each of those parts has the search of unseen_clearances.h
   std::string missing;        // the first that no knot has, in words
 };
@@ -36,7 +37,12 @@ void look_at(const Model& model, const Condition& condition, bool negated, Compa
   for (const Condition& part : condition.parts) look_at(model, part, negated, compared);
   if (combines(condition)) return;
   const ConditionTraits& traits = get_traits(condition.kind);
-  if (!traits.at_knots && compared.missing.empty()) compared.missing = describe(model, get_quantity(model, condition));
+  if (traits.at_knots == ConditionAtKnots::kNowhere && compared.missing.empty())
+    compared.missing = describe(model, get_quantity(model, condition));
+  if (traits.course == ConditionCourse::kOneWay && ++compared.one_way > 1) {
+    compared.may_return = true;
+    compared.by_clearances = false;
+  }
   if (traits.course != ConditionCourse::kCurve) return;
   compared.may_return = true;
   if (condition.kind != Kind::kDistance || negated || !condition.below) compared.by_clearances = false;
@@ -47,7 +53,7 @@ void look_at(const Model& model, const Condition& condition, bool negated, Compa
 std::vector<UnsearchedEvent> list_unsearched(const Model& model) {
   std::vector<UnsearchedEvent> unsearched;
   for (std::size_t i = 0; i < model.events.size(); ++i) {
-    if (model.events[i].when.kind == Kind::kReach) continue;  // where a pusher's, a stop's or a cord's own force begins
+    if (model.events[i].when.kind == Kind::kReach) continue;  // unseen_engagements.h
     Compared compared;
     look_at(model, model.events[i].when, false, compared);
     if (compared.may_return && !compared.by_clearances && !compared.missing.empty())
@@ -61,10 +67,13 @@ UnseenCrossings::UnseenCrossings(const Model& model) : model_(model) {
   for (std::size_t i = 0; i < model.events.size(); ++i) {
     Guard guard{.event = static_cast<int>(i), .repeats = model.events[i].repeat};
     if (!list_leaves(model, placed, model.events[i].when, guard.leaves)) continue;
-    // What goes one way, and what changes by events or at ticks, is never missed alone.
-    if (std::ranges::any_of(guard.leaves,
-                            [](const Leaf& leaf) { return get_course(leaf.condition) == ConditionCourse::kCurve; }))
-      guards_.push_back(std::move(guard));
+    const auto count_leaves = [&](ConditionCourse course) {
+      return std::ranges::count_if(guard.leaves,
+                                   [&](const Leaf& leaf) { return get_course(leaf.condition) == course; });
+    };
+    // What changes by events or at ticks is never missed alone, nor is one of what goes one way; two make a span.
+    guard.spans = count_leaves(ConditionCourse::kCurve) == 0;
+    if (!guard.spans || count_leaves(ConditionCourse::kOneWay) > 1) guards_.push_back(std::move(guard));
   }
 }
 
@@ -73,63 +82,57 @@ bool UnseenCrossings::list_leaves(const Model& model, const Model& placed, const
   if (combines(condition))
     return std::ranges::all_of(condition.parts,
                                [&](const Condition& part) { return list_leaves(model, placed, part, to); });
-  if (!get_traits(condition.kind).at_knots) return false;
+  const ConditionAtKnots where = get_traits(condition.kind).at_knots;
+  if (where == ConditionAtKnots::kNowhere) return false;
   Leaf leaf{.condition = condition, .squared = is_size(get_quantity(model, condition))};
-  if (condition.kind == Kind::kDisplacement || condition.kind == Kind::kAngle || condition.kind == Kind::kSpeed)
+  if (where == ConditionAtKnots::kCoordinates || where == ConditionAtKnots::kSpeeds)
     leaf.joint.emplace(placed, condition.subject);
   to.push_back(std::move(leaf));
   return true;
 }
 
-double UnseenCrossings::calc_value(const Leaf& leaf, const MotionKnot& knot) const {
+double UnseenCrossings::read(const Leaf& leaf, const MotionKnot& knot, std::span<const double> commands) const {
   const Condition& own = leaf.condition;
   const std::size_t subject = at(own.subject);
   const auto body_at = [&](int body) { return body < 0 ? get_rest() : knot.state.bodies[at(body)]; };
-  switch (own.kind) {
-    case Kind::kTime:
+  switch (get_traits(own.kind).at_knots) {
+    case ConditionAtKnots::kTime:
       return knot.time;
-    case Kind::kReaction: {
+    case ConditionAtKnots::kRow: {
       const Joint& joint = model_.joints[subject];
       if (!has_row(joint.modes[at(static_cast<int>(knot.state.joints[subject].mode))].rows, own.axis))
         return own.below ? kYes : kNo;
       return knot.multipliers[6 * subject + at(own.axis)];
     }
-    case Kind::kForceSize:
+    case ConditionAtKnots::kForceRows:
       return calc_square(knot.multipliers.subspan(6 * subject, 3));
-    case Kind::kMomentSize:
+    case ConditionAtKnots::kMomentRows:
       return calc_square(knot.multipliers.subspan(6 * subject + 3, 3));
-    case Kind::kDisplacement:
-      return leaf.joint->calc_coordinate(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()),
-                                         own.axis);
-    case Kind::kAngle: {
-      constexpr double kTurn = 2 * std::numbers::pi;
-      const double angle =
+    case ConditionAtKnots::kCoordinates: {
+      const double value =
           leaf.joint->calc_coordinate(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
-      return angle - kTurn * std::nearbyint((angle - leaf.latest.value_or(angle)) / kTurn);  // turns counted
+      constexpr double kTurn = 2 * std::numbers::pi;
+      if (own.axis < kRotX) return value;
+      return value - kTurn * std::nearbyint((value - leaf.latest.value_or(value)) / kTurn);  // turns counted
     }
-    case Kind::kSpeed:
+    case ConditionAtKnots::kSpeeds:
       return leaf.joint->calc_speed(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
-    case Kind::kBodyRate: {
+    case ConditionAtKnots::kRates: {
       const Vec3& w = knot.state.bodies[subject].w;
       return dot(w, w);
     }
-    case Kind::kQuantity:
+    case ConditionAtKnots::kQuantities:
       return leaf.squared ? knot.quantities[subject] * knot.quantities[subject] : knot.quantities[subject];
-    // Not curves, or not at knots.
-    case Kind::kSignal:
-    case Kind::kCommand:
-    case Kind::kMode:
-    case Kind::kAll:
-    case Kind::kAny:
-    case Kind::kNot:
-    case Kind::kBurnt:
-    case Kind::kDistance:
-    case Kind::kClosed:
-    case Kind::kOneSidedForce:
-    case Kind::kEngaged:
-    case Kind::kReach:
-    case Kind::kWound:
-    case Kind::kBearing:
+    case ConditionAtKnots::kSignals:
+      return knot.state.signals[subject] != 0 ? kYes : kNo;
+    case ConditionAtKnots::kModes:
+      return knot.state.joints[subject].mode == own.axis ? kYes : kNo;
+    case ConditionAtKnots::kEngaged:
+      return knot.state.engaged[subject] != 0 ? kYes : kNo;
+    case ConditionAtKnots::kCommands:
+      return (own.below ? commands[subject] <= own.threshold : commands[subject] >= own.threshold) ? kYes : kNo;
+    case ConditionAtKnots::kNowhere:  // no leaf
+    case ConditionAtKnots::kInParts:
       break;
   }
   return kNo;
@@ -137,25 +140,13 @@ double UnseenCrossings::calc_value(const Leaf& leaf, const MotionKnot& knot) con
 
 void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, std::span<const double> commands, bool begins) const {
   for (Leaf& leaf : guard.leaves) {
-    const auto subject = at(leaf.condition.subject);
-    switch (leaf.condition.kind) {
-      case Kind::kSignal:
-        leaf.holds = knot.state.signals[subject] != 0;
-        break;
-      case Kind::kMode:
-        leaf.holds = knot.state.joints[subject].mode == leaf.condition.axis;
-        break;
-      case Kind::kEngaged:
-        leaf.holds = knot.state.engaged[subject] != 0;
-        break;
-      case Kind::kCommand:
-        leaf.holds = leaf.condition.below ? commands[subject] <= leaf.condition.threshold
-                                          : commands[subject] >= leaf.condition.threshold;
-        break;
-      default:
-        leaf.latest = calc_value(leaf, knot);
-        leaf.curve.add(knot.time, *leaf.latest, begins);
+    const double value = read(leaf, knot, commands);
+    if (get_course(leaf.condition) == ConditionCourse::kSteps) {
+      leaf.holds = value > 0;
+      continue;
     }
+    leaf.latest = value;
+    leaf.curve.add(knot.time, value, begins);
   }
   if (begins) guard.count = 0;
   if (guard.count == 3) {
@@ -205,6 +196,21 @@ bool UnseenCrossings::is_smooth(const Leaf& leaf) {
   return std::abs(second[1] - second[0]) <= kSmooth * greatest || greatest * span * span <= kRounding * size;
 }
 
+// Between the times that the guard compares, and the latest two knots, it has one sign.
+void UnseenCrossings::find_span(const Guard& guard) {
+  const double *const times = guard.times + guard.count - 2, *const values = guard.below + guard.count - 2;
+  if (!(values[0] > 0 && values[1] > 0)) return;
+  std::vector<double> ends{times[0], times[1]};
+  for (const Leaf& leaf : guard.leaves) {
+    const double end = leaf.condition.threshold;
+    if (get_course(leaf.condition) == ConditionCourse::kOneWay && end > times[0] && end < times[1]) ends.push_back(end);
+  }
+  std::ranges::sort(ends);
+  for (std::size_t i = 1; i < ends.size(); ++i)
+    if (ends[i] > ends[i - 1] && calc(guard, 0.5 * (ends[i - 1] + ends[i])) > 0)
+      found_.push_back({guard.event, ends[i - 1], ends[i]});
+}
+
 // Searches about the knot before the latest one, if the guard is greatest there of three.
 void UnseenCrossings::find(const Guard& guard) {
   const auto function = [&](double time) { return -calc(guard, time); };
@@ -242,7 +248,7 @@ std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window
     if (begins) add(guard, from, commands, true);
     add(guard, to, commands, false);
     guard.rests = false;
-    find(guard);
+    guard.spans ? find_span(guard) : find(guard);
   }
   return found_;
 }

@@ -1,9 +1,11 @@
 // Events whose instants no knot shows: between two knots a condition on quantities became true, and false again, so
 // that the event did not act. Guards are known at knots alone; between them the quantities are the polynomials through
-// the latest five knots of a smooth run, of the size of a vector those of its square. Distances of shapes have their
-// own search (unseen_clearances.h). Conditions that read what no knot has, such as forces of pushers and windings of
-// cords, are not searched: list_unsearched() names them. Nor are quantities that change too abruptly from knot to knot
-// for a polynomial. Cost: some quantities for each event that compares any, and knot.
+// the latest five knots of a smooth run, of the size of a vector those of its square; of times alone they are known.
+// Distances of shapes have their
+// own search (unseen_clearances.h), and so have engagements (unseen_engagements.h). Conditions that read what no knot
+// has, such as forces of pushers and windings of cords, are not searched: list_unsearched() names them. Nor are
+// quantities that change too abruptly from knot to knot for a polynomial. Cost: some quantities for each event that
+// compares any, and knot.
 #pragma once
 
 #include <optional>
@@ -23,8 +25,7 @@ struct UnseenCrossing {
   double from = 0, until = 0;  // s, while its condition held
 };
 
-// An event whose condition may hold within a step alone and is not searched for that; those by which pushers, stops and
-// cords engage are not listed.
+// An event whose condition may hold within a step alone and is not searched for that.
 struct UnsearchedEvent {
   int event = 0;      // index in the model
   std::string reads;  // what no knot has: "force of pusher1"
@@ -56,19 +57,22 @@ class UnseenCrossings {
     bool repeats = false;
     std::vector<Leaf> leaves{};  // in the order of the condition
     bool rests = true;           // the event cannot act
+    bool spans = false;          // of times, and of what changes by events or at ticks, alone
     // Its value below zero at the latest knots.
     double times[3] = {}, below[3] = {};
     int count = 0;
   };
 
   static bool list_leaves(const Model& model, const Model& placed, const Condition& condition, std::vector<Leaf>& to);
-  [[nodiscard]] double calc_value(const Leaf& leaf, const MotionKnot& knot) const;
+  // At a knot: a number, its square, or kYes or kNo of what changes by events alone or at ticks.
+  [[nodiscard]] double read(const Leaf& leaf, const MotionKnot& knot, std::span<const double> commands) const;
   void add(Guard& guard, const MotionKnot& knot, std::span<const double> commands, bool begins) const;
   // Value of a guard as the kernel has it, at a time about its latest knots; at the latest one for no number.
   [[nodiscard]] double calc(const Guard& guard, double time) const;
   static double calc(const Condition& condition, std::span<const Leaf> leaves, double time, std::size_t& next);
   static bool is_smooth(const Leaf& leaf);
   void find(const Guard& guard);
+  void find_span(const Guard& guard);
 
   const Model& model_;
   std::vector<Guard> guards_;

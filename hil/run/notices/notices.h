@@ -45,6 +45,7 @@
 #include "hil/run/audit/energy_audit.h"
 #include "hil/run/audit/unresolved_bodies.h"
 #include "hil/run/audit/unseen_crossings.h"
+#include "hil/run/audit/unseen_engagements.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
 #include "hil/run/notices/implicit_audit.h"
@@ -78,6 +79,8 @@ class NoticeWatch {
   void report_unseen(const UnseenClearance& unseen);
   // The condition of an event held for a part of a step alone.
   void report_unseen(const UnseenCrossing& unseen);
+  // A pusher, a stop or a cord engaged and parted again within a step, or the other way round.
+  void report_unseen(const UnseenEngagement& unseen);
   // Whether the condition of an event held for a part of a step alone is not searched.
   void report_unsearched(const UnsearchedEvent& unsearched);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step

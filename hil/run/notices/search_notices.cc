@@ -7,6 +7,7 @@
 #include "hil/run/notices/resolution.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/model/law_places.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -101,6 +102,22 @@ void NoticeWatch::report_unseen(const UnseenCrossing& unseen) {
             unseen.from, length, kRoundedDown * length);
       },
       list_all_bodies(scenario_.model));
+}
+
+void NoticeWatch::report_unseen(const UnseenEngagement& unseen) {
+  const Model& model = scenario_.model;
+  const Event& event = model.events[at(unseen.event)];
+  passed_.resize(model.events.size());
+  const double length = unseen.until - unseen.from;
+  report(
+      passed_[at(unseen.event)], "search", event.subject, 1 / length,
+      [&] {
+        return format(
+            "its event %s was due within a step, at %.6f s, and undone %.3g s later: it did not act, because no tick "
+            "shows it; a step of %.3g s would do",
+            event.name.c_str(), unseen.from, length, kRoundedDown * length);
+      },
+      list_element_bodies(model, get_first_one_sided(model) + unseen.force));
 }
 
 void NoticeWatch::report_unsearched(const UnsearchedEvent& unsearched) {

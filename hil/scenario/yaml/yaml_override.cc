@@ -61,11 +61,16 @@ std::string without_digits(std::string name) {
   return name;
 }
 
-// Refuses a path that continues into an absent key whose name is close to an existing one: a misspelling, unless the
-// two differ in a number (spring4 beside spring3).
-void refuse_misspelt(const YamlNode& mapping, const std::string& part, const SourceMark& mark) {
+// Refuses a path that continues into an absent key whose name is close to an existing one into which it might: a
+// misspelling, unless the two differ in a number (spring4 beside spring3).
+void refuse_misspelt(const YamlNode& mapping, const std::string& part, const std::string& next,
+                     const SourceMark& mark) {
+  const auto continues = [&](const YamlNode& node) {
+    return node.is_mapping() || (node.is_sequence() && (parse_index(next) || find_entry(node, next, mark) != nullptr));
+  };
   std::vector<std::string> known;
-  for (const auto& key : mapping.keys) known.push_back(key.text);
+  for (std::size_t i = 0; i < mapping.keys.size(); ++i)
+    if (continues(mapping.items[i])) known.push_back(mapping.keys[i].text);
   const std::string* const nearest = find_nearest(part, known, part.size() < 6 ? 1 : 2);
   if (part.size() >= 4 && nearest && without_digits(*nearest) != without_digits(part))
     throw YamlError(mark, "there is no '" + part + "'",
@@ -150,6 +155,36 @@ const YamlNode* find_section(const YamlNode& root, std::string_view name) {
   return own != nullptr && own->is_mapping() ? own : nullptr;
 }
 
+// Keys of a section that texts outside of it name, or values of such keys: what only an unread constant names is unread
+// too.
+std::vector<bool> list_read(const YamlNode& root, const YamlNode& section) {
+  std::vector<bool> read(section.keys.size());
+  std::vector<std::size_t> open;  // read, and their own values not looked at
+  const auto mark = [&](std::size_t i) {
+    if (!read[i]) open.push_back(i);
+    read[i] = true;
+  };
+  for (std::size_t i = 0; i < read.size(); ++i)
+    if (names(root, section.keys[i].text, section)) mark(i);
+  while (!open.empty()) {
+    const YamlNode& value = section.items[open.back()];
+    open.pop_back();
+    for (std::size_t i = 0; i < read.size(); ++i)
+      if (!read[i] && names(value, section.keys[i].text, section)) mark(i);
+  }
+  return read;
+}
+
+// The constants, and the number of the one at a path; nothing for another path.
+std::optional<std::pair<const YamlNode*, std::size_t>> find_constant(const YamlNode& root, const std::string& path) {
+  constexpr std::string_view kSection = "constants.";
+  const YamlNode* const own = find_section(root, "constants");
+  if (own == nullptr || !path.starts_with(kSection)) return std::nullopt;
+  for (std::size_t i = 0; i < own->keys.size(); ++i)
+    if (own->keys[i].text == path.substr(kSection.size())) return std::pair(own, i);
+  return std::nullopt;
+}
+
 constexpr std::array<std::pair<const char*, const char*>, 2> kReadSections{
     {{"constants", "constant"}, {"channels", "channel"}}};
 
@@ -163,9 +198,12 @@ std::vector<YamlError> list_unread_overrides(const YamlNode& root) {
     std::vector<std::string> known;
     for (const YamlKey& key : own->keys)
       if (key.origin != YamlKey::Origin::kAdded) known.push_back(key.text);
+    if (std::ranges::all_of(own->keys, [](const YamlKey& key) { return key.origin == YamlKey::Origin::kFile; }))
+      continue;
+    const std::vector<bool> read = list_read(root, *own);
     for (std::size_t i = 0; i < own->keys.size(); ++i) {
       const YamlKey& key = own->keys[i];
-      if (key.origin == YamlKey::Origin::kFile || names(root, key.text, own->items[i])) continue;
+      if (key.origin == YamlKey::Origin::kFile || read[i]) continue;
       if (key.origin == YamlKey::Origin::kAdded)
         unread.emplace_back(key.mark,
                             "the scenario has no " + std::string(noun) + " '" + key.text + "', nor does it read one",
@@ -180,13 +218,43 @@ std::vector<YamlError> list_unread_overrides(const YamlNode& root) {
   return unread;
 }
 
+void accept_read_overrides(YamlNode& root) {
+  for (const auto& [name, noun] : kReadSections) {
+    YamlNode* const own = root.is_mapping() ? root.find(name) : nullptr;
+    if (own == nullptr || !own->is_mapping()) continue;
+    if (std::ranges::all_of(own->keys, [](const YamlKey& key) { return key.origin == YamlKey::Origin::kFile; }))
+      continue;
+    const std::vector<bool> read = list_read(root, *own);
+    for (std::size_t i = 0; i < read.size(); ++i)
+      if (read[i]) own->keys[i].origin = YamlKey::Origin::kFile;
+  }
+}
+
 std::vector<std::string> list_unread_constants(const YamlNode& root) {
   std::vector<std::string> unread;
-  if (const YamlNode* const own = find_section(root, "constants"))
+  if (const YamlNode* const own = find_section(root, "constants")) {
+    const std::vector<bool> read = list_read(root, *own);
     for (std::size_t i = 0; i < own->keys.size(); ++i)
-      if (own->keys[i].mark.file == 0 && !names(root, own->keys[i].text, own->items[i]))
-        unread.push_back(own->keys[i].text);
+      if (own->keys[i].mark.file == 0 && !read[i]) unread.push_back(own->keys[i].text);
+  }
   return unread;
+}
+
+std::optional<WrittenUnit> find_constant_unit(const YamlNode& root, const std::string& path) {
+  const auto place = find_constant(root, path);
+  if (!place || !place->first->items[place->second].is_scalar()) return std::nullopt;
+  const std::optional<WrittenUnit> unit = find_written_unit(place->first->items[place->second].text);
+  return unit && unit->factor != 1 ? unit : std::nullopt;
+}
+
+bool names_word(const YamlNode& node, const std::string& name) {
+  if (node.is_scalar()) return contains(node.text, name);
+  return std::ranges::any_of(node.items, [&](const YamlNode& item) { return names_word(item, name); });
+}
+
+bool is_unread_constant(const YamlNode& root, const std::string& path) {
+  const auto place = find_constant(root, path);
+  return place && !list_read(root, *place->first)[place->second];
 }
 
 std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
@@ -220,10 +288,10 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
       throw YamlError(mark, "'" + parts[0] + "' is worked out before values are replaced",
                       "name what it makes: bodies.booster1.mass");
   YamlNode* node = &root;
-  for (const std::string& part : parts) {
-    if (node->kind == YamlNode::Kind::kMapping && &part != &parts.back() && !node->find(part))
-      refuse_misspelt(*node, part, mark);
-    node = &step_into(*node, part, mark);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (node->kind == YamlNode::Kind::kMapping && i + 1 < parts.size() && !node->find(parts[i]))
+      refuse_misspelt(*node, parts[i], parts[i + 1], mark);
+    node = &step_into(*node, parts[i], mark);
   }
   if (parts.size() == 2 && parts[0] == "constants" && node->is_scalar()) keep_unit(parts[1], root, value);
   *node = std::move(value);

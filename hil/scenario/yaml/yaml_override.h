@@ -4,10 +4,12 @@
 // Missing keys are inserted. A plain number for a constant of the file keeps the (SI) unit of that constant.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "hil/scenario/text/written_unit.h"
 #include "hil/scenario/yaml/yaml_document.h"
 
 namespace unlatch::hil {
@@ -26,9 +28,20 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
 // Constants and channels that overrides or `set` have added, and constants to which they give another value, which no
 // text of the tree names: misspelt, or of no use. Each with the place of its override.
 std::vector<YamlError> list_unread_overrides(const YamlNode& root);
+// Accepts those that some text names now: another override may replace that text later, as a sample's draw of a value
+// that is computed from the constant.
+void accept_read_overrides(YamlNode& root);
 // Constants of the main file that no text of the tree names; included files may have some for others. Channels may be
 // there for flight software alone.
 std::vector<std::string> list_unread_constants(const YamlNode& root);
+
+// Unit, other than that of SI, in which the text gives the constant at this path: "mm" of constants.gap: 2 mm. A plain
+// number in its place would be one of SI. Nothing for other paths.
+std::optional<WrittenUnit> find_constant_unit(const YamlNode& root, const std::string& path);
+// True if a value in a node has the name as a word.
+bool names_word(const YamlNode& node, const std::string& name);
+// True of a constant's path if no text of the tree reads that constant.
+bool is_unread_constant(const YamlNode& root, const std::string& path);
 
 // Node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
 const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);

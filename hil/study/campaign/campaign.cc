@@ -207,6 +207,28 @@ std::vector<std::string> name_places(const std::vector<MetPath>& paths) {
 
 }  // namespace
 
+// A plain number for a constant that the file gives in millimetres would be one of metres.
+void CampaignReader::refuse_plain_numbers(const CampaignParameter& parameter, const Reading& reading) {
+  const YamlNode& root = campaign_.tree->get_root();
+  for (std::size_t k = 0; k < parameter.paths.size(); ++k) {
+    const std::string& path = parameter.paths[k];
+    const std::optional<WrittenUnit> unit = find_constant_unit(root, path);
+    if (!unit) continue;
+    std::optional<SourceMark> plain = parameter.choices.empty() ? reading.plain : std::nullopt;
+    for (const YamlNode& choice : parameter.choices) {
+      const YamlNode& own = parameter.columns.empty() ? choice : choice.items.at(parameter.columns[k]);
+      Mistakes ignored(campaign_.file, {});
+      for (const auto& [name, value] : mistakes_.constants()) ignored.add_constant(name, value);
+      const auto number = own.is_scalar() ? read_quantity(own, ignored) : std::nullopt;
+      if (number && number->dimension.is_plain() && number->value != 0 && !plain) plain = own.mark;
+    }
+    if (plain)
+      mistakes_.add(
+          *plain, "a plain number for '" + path + "', which the scenario gives in " + unit->name,
+          "write the unit: 1 " + unit->name + ", or that of SI; in a table as its column's, [" + unit->name + "]");
+  }
+}
+
 void CampaignReader::read_parameter(const std::string& name, const YamlNode& node) {
   const std::size_t before = mistakes_.count();
   YamlMap map(node, "a parameter", mistakes_);
@@ -246,6 +268,7 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
     reading.sheet = first_path.starts_with("sensors.") && first_path.find(".errors.") != std::string::npos;
     one.drawn = read_distribution(map, one, reading);
     const bool by_index = !one.choices.empty();
+    refuse_plain_numbers(one, reading);
     if (!reading.dimension && !by_index) reading.dimension = find_dimension(first_path);
     if (reading.dimension && !by_index) one.unit = describe_unit(*reading.dimension);
     if (!reading.root_unit.empty()) one.unit = reading.root_unit;
@@ -405,6 +428,13 @@ void CampaignReader::read_table(YamlMap& top) {
       factors.push_back(at == table.names.end() ? 1 : read_factor(table, places.back(), input.unit, node->mark));
     }
     if (places.end() != std::find(places.begin(), places.end(), table.names.size())) return;
+    for (const CampaignParameter& parameter : campaign_.parameters) {
+      const auto at = std::find(table.names.begin(), table.names.end(), parameter.name);
+      if (at == table.names.end() || !table.units[static_cast<std::size_t>(at - table.names.begin())].empty()) continue;
+      Reading reading;
+      reading.plain = parameter.mark;
+      refuse_plain_numbers(parameter, reading);
+    }
     std::vector<std::string> unread;
     for (std::size_t i = 0; i < table.names.size(); ++i)
       if (std::ranges::find(places, i) == places.end()) unread.push_back(table.names[i]);

@@ -15,6 +15,15 @@ class CampaignReader {
   void read(const YamlNode& root, const std::vector<std::string>& overrides);
 
  private:
+  struct Reading {  // of one parameter: its unit, and its value in the scenario
+    const YamlNode* nominal = nullptr;
+    std::optional<Dimension> dimension;
+    std::optional<WrittenUnit> shown;
+    bool sheet = false;               // an error of a sensor: units of data sheets too
+    std::string root_unit;            // of a size per root of time: "rad/√s"
+    std::optional<SourceMark> plain;  // of the first number without a unit that is not 0
+  };
+
   void read_scenario(YamlMap& top, const std::vector<std::string>& overrides);
   void read_constants();
   void read_plan(YamlMap& top);
@@ -24,6 +33,7 @@ class CampaignReader {
   void read_parameters(YamlMap& top);
   void read_parameter(const std::string& name, const YamlNode& node);
   [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path);
+  void refuse_plain_numbers(const CampaignParameter& parameter, const Reading& reading);
   void read_correlations(YamlMap& top);
   void read_table(YamlMap& top);
   void finish_plan(YamlMap& top);
@@ -39,13 +49,6 @@ class CampaignReader {
   void read_failure(YamlMap& map, RareFailure& to);
 
   // Defined in distribution_reader.cc.
-  struct Reading {  // of one parameter: its unit, and its value in the scenario
-    const YamlNode* nominal = nullptr;
-    std::optional<Dimension> dimension;
-    std::optional<WrittenUnit> shown;
-    bool sheet = false;     // an error of a sensor: units of data sheets too
-    std::string root_unit;  // of a size per root of time: "rad/√s"
-  };
   bool read_distribution(YamlMap& map, CampaignParameter& to, Reading& reading);
   double read_value(YamlMap& map, const std::string& key, Reading& reading, std::optional<double> fallback = {});
   double read_sigma(YamlMap& map, double mean, Reading& reading);

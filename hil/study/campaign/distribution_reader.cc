@@ -43,6 +43,7 @@ double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading&
   }
   const auto quantity = read_quantity(translated, mistakes_);
   if (!quantity) return 0;
+  if (quantity->dimension.is_plain() && quantity->value != 0 && !reading.plain) reading.plain = node->mark;
   if (!reading.shown) reading.shown = find_written_unit(translated.text);
   if (!quantity->dimension.is_plain()) {
     if (reading.dimension && !(*reading.dimension == quantity->dimension))
@@ -147,6 +148,7 @@ void CampaignReader::read_discrete(const YamlNode& node, CampaignParameter& to, 
     } else if (const auto quantity = read_quantity(item, mistakes_)) {
       distribution.values.push_back(quantity->value);
       if (!quantity->dimension.is_plain()) reading.dimension = quantity->dimension;
+      if (quantity->dimension.is_plain() && quantity->value != 0 && !reading.plain) reading.plain = item.mark;
     }
   }
   std::vector<double> w(values->items.size(), 1.0);
@@ -178,6 +180,7 @@ void CampaignReader::read_empirical(const YamlNode& node, CampaignParameter& to,
     const auto place = static_cast<std::size_t>(at - table.names.begin());
     const Quantity unit = read_unit(table, place, column->mark);
     if (!unit.dimension.is_plain()) reading.dimension = unit.dimension;
+    if (unit.dimension.is_plain() && table.units[place].empty()) reading.plain = column->mark;
     to.distribution.values.clear();
     for (const std::vector<double>& row : table.rows) to.distribution.values.push_back(row[place] * unit.value);
     std::sort(to.distribution.values.begin(), to.distribution.values.end());

@@ -37,6 +37,8 @@ double get_separation(const Separation& separation, std::size_t part) {
   return part == 1 ? separation.across : separation.relative.transverse;
 }
 
+const std::string kBlows = "without the impulse of a blow: ";
+
 struct ContactValue {
   const char *name, *unit;
   double (*get)(const ContactRecord&);
@@ -113,6 +115,32 @@ struct Results {
 };
 
 }  // namespace
+
+std::string describe_blows(const Scenario& scenario, const RunAnalysis& analysis) {
+  std::string names, numbers;
+  for (const Verdict& verdict : analysis.judge()) {
+    if (!verdict.leaves_out_blow()) continue;
+    names += (names.empty() ? "" : ", ") + scenario.requirements[verdict.requirement].id;
+    numbers += (numbers.empty() ? "#" : ", #") + std::to_string(verdict.requirement);
+  }
+  if (names.empty()) return names;
+  constexpr std::size_t kMost = 120;  // bytes of a sample's message
+  return kBlows + (kBlows.size() + names.size() <= kMost ? names : numbers);
+}
+
+std::vector<std::string> list_blows(const std::string& message, const std::vector<std::string>& ids) {
+  std::vector<std::string> list;
+  if (!message.starts_with(kBlows)) return list;
+  const std::string names = message.substr(kBlows.size(), message.find(';') - kBlows.size());
+  for (std::size_t from = 0; from < names.size();) {
+    const std::size_t to = std::min(names.find(", ", from), names.size());
+    const std::string name = names.substr(from, to - from);
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (name == ids[i] || name == "#" + std::to_string(i)) list.push_back(ids[i]);
+    from = to + 2;
+  }
+  return list;
+}
 
 std::string get_event_name(const Event& event) {
   return event.subject.empty() ? event.name : event.name + ":" + event.subject;

@@ -70,6 +70,12 @@ AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);
 
+// Requirements on reactions whose values leave out the impulse of a blow: "without the impulse of a blow: ID, ID"; by
+// their numbers, "#0, #2", where the names are too long for a sample's message. Empty for none.
+std::string describe_blows(const Scenario& scenario, const RunAnalysis& analysis);
+// Their names, in the message of a sample; `ids`: of all requirements.
+std::vector<std::string> list_blows(const std::string& message, const std::vector<std::string>& ids);
+
 // Full name of an event: "release:booster1", or the name alone.
 std::string get_event_name(const Event& event);
 

@@ -71,6 +71,7 @@ struct QuantityTraits {
   unsigned reads = kReadsMotion;  // QuantityReads
   QuantityMotion motion = QuantityMotion::kOfAll;  // whose motion it reads
   bool holds = false;                              // it is 1 or 0, and changes at events alone
+  bool of_reaction = false;                        // of the forces and moments by which its joint holds
   bool has_point = false, has_axes = false;        // `point` is read; `direction` and `other_direction` are
   bool of_planet = false, of_air = false;          // it needs a planet; it needs an atmosphere
 };
@@ -94,12 +95,30 @@ enum class ConditionCourse {
   kCurve,   // it compares a function of time, which may come back: it may hold there alone
 };
 
+// Where a knot of the motion has what a condition compares or looks at.
+enum class ConditionAtKnots {
+  kNowhere,      // no knot has it
+  kInParts,      // it combines its parts
+  kTime,         // MotionKnot::time
+  kRow,          // MotionKnot::multipliers, of row `axis` of joint `subject`
+  kForceRows,    // the first three of joint `subject`
+  kMomentRows,   // the last three
+  kCoordinates,  // the poses of the bodies of joint `subject`: its coordinate along or about row `axis`
+  kSpeeds,       // their velocities: its rate
+  kRates,        // BodyState::w of body `subject`
+  kSignals,      // State::signals
+  kModes,        // JointState::mode
+  kEngaged,      // State::engaged
+  kCommands,     // the inputs of the step, beside the knots
+  kQuantities,   // MotionKnot::quantities
+};
+
 // What is known of a kind of condition. No member has a default, so that a new kind says each of them.
 struct ConditionTraits {
-  Condition::Kind kind;    // in the order of the enumerators
-  ConditionCourse course;  // between knots
-  bool at_knots;           // a knot of the motion has what it compares; commands, which knots lack, count too
-  bool by_guards;          // kernel/events/guards.cc reads it without a quantity: frequent, or more than a comparison
+  Condition::Kind kind;       // in the order of the enumerators
+  ConditionCourse course;     // between knots
+  ConditionAtKnots at_knots;  // where they have it
+  bool by_guards;  // kernel/events/guards.cc reads it without a quantity: frequent, or more than a comparison
 };
 // Traits of a kind of condition.
 const ConditionTraits& get_traits(Condition::Kind kind) noexcept;

@@ -157,6 +157,8 @@ CordDrum place_drum(const Model& model, const OneSided& cord);
 struct OneSidedForce {
   Vec3 direction{0, 0, 0};  // along which its coordinate grows; 0 where the line has no length
   double rate = 0;          // of the coordinate, m/s
+  double depth = 0;         // to its limit, m: negative beyond its reach
+  double depth_rate = 0;    // m/s
   double size = 0;          // along `direction` on the follower, N
 };
 

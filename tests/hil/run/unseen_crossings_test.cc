@@ -1,5 +1,5 @@
-// What a quantity does within a step: conditions of events that hold for a part of it alone, so that no tick shows
-// them; the least size of a vector.
+// What a quantity does within a step: conditions of events that hold for a part of it alone, and forces that engage for
+// a part of it, so that no tick shows them; the least size of a vector.
 #include "hil/run/audit/unseen_crossings.h"
 
 #include <cmath>
@@ -71,6 +71,33 @@ TEST(UnseenCrossings, AConditionThatHoldsForAPartOfAStepIsUnresolvedAndThePropos
   }
 }
 
+TEST(UnseenCrossings, ASpanOfTimeWithinAStepIsUnresolvedAndTheProposedStepSeesIt) {
+  const std::string spans[] = {
+      "{all: [{time: 121 ms}, {not: {time: 124 ms}}]}",
+      "{not: {any: [{time: 124 ms}, {not: {time: 121 ms}}]}}",
+      "{all: [{time: 121 ms}, {not: {time: 124 ms}}, {command: go, below: 0.5}]}",
+  };
+  for (const std::string& span : spans) {
+    const AnalysedRun run(build_swing("10 ms", span));
+    EXPECT_TRUE(run.analysis.timeline.empty()) << span;
+    ASSERT_EQ(list_searches(run).size(), 1u) << span;
+    EXPECT_NE(list_searches(run)[0].text.find("at 0.121000 s, and false again 0.003 s later"), std::string::npos)
+        << list_searches(run)[0].text;
+    EXPECT_FALSE(run.judge("end").unresolved.empty());
+    const AnalysedRun fine(build_swing(find_proposed_step(list_searches(run)[0].text), span));
+    EXPECT_TRUE(list_searches(fine).empty()) << span;
+    ASSERT_EQ(fine.analysis.timeline.size(), 1u) << span;
+    EXPECT_NEAR(fine.analysis.timeline[0].time, 0.121, 1e-9) << span;
+  }
+  const std::string seen[] = {
+      "{all: [{time: 121 ms}, {not: {time: 131 ms}}]}",
+      "{any: [{time: 121 ms}, {time: 125 ms}]}",
+      "{all: [{time: 121 ms}, {not: {time: 124 ms}}, {command: go, above: 0.5}]}",
+  };
+  for (const std::string& span : seen)
+    EXPECT_TRUE(list_searches(AnalysedRun(build_swing("10 ms", span))).empty()) << span;
+}
+
 TEST(UnseenCrossings, AConditionThatAnEventSawOrDidNotWaitForIsNotTaken) {
   const std::string seen[] = {
       build_swing("10 ms", "{quantity: x, above: 1.9 m}"),     // for 45 ms
@@ -104,6 +131,79 @@ TEST(UnseenCrossings, AConditionThatReadsWhatNoTickHasIsReportedAsNotSearched) {
   // Nothing of it may come and go between ticks.
   EXPECT_TRUE(
       list_searches(AnalysedRun(build_swing("10 ms", "{any: [{command: go, above: 0.5}, {time: 1}]}"))).empty());
+}
+
+// The slider of build_swing(), and an element that is within reach for 3.2 ms about a place where the slider returns.
+std::string build_engagement(const std::string& dt, const std::string& element) {
+  return "unlatch: 1\nname: engaged\nstep: {dt: " + dt + R"(, until: 0.35}
+bodies:
+  slider: {mass: 1, inertia: [1, 1, 1]}
+  other: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  rail: {between: [ground, slider], modes: {slides: {kind: prismatic, axis: x}}}
+elements:
+  spring: {type: joint_spring, joint: rail, axis: x, stiffness: 400, rest: 1 m}
+)" + (element.starts_with("{joint") ? "stops:\n  reach: " : "  reach: ") +
+         element + R"(
+requirements:
+  - {id: end, displacement: {joint: rail, axis: x}, take: final, at_most: 3 m}
+  - {id: apart, position: {body: other}, take: final, at_most: 3 m}
+)";
+}
+
+struct Engagement {
+  std::string element, event;
+  std::size_t before;  // events of the element before
+  double due;          // s
+};
+
+std::vector<Engagement> list_engagements() {
+  const double turn = std::acos(-1.0) / 10, edge = std::acos(0.9995) / 20;  // s: period; from a turning point to 0.5 mm
+  const std::string rail = "between: [ground, slider], ";
+  return {
+      {"{joint: rail, axis: x, at_most: 1.9995 m, stiffness: 1 N/m}", "touch", 0, turn / 2 - edge},
+      {"{type: cord, " + rail + "length: 1.9995 m, stiffness: 1 N/m, damping: 0.1 N s/m}", "taut", 0, turn / 2 - edge},
+      {"{type: cord, " + rail + "length: 0.0005 m, stiffness: 1e-6 N/m}", "slack", 1, turn - edge},
+      {"{type: pusher, " + rail + "guide: [1, 0, 0], stroke: 0.5 mm, preload: 1e-6 N}", "touch", 1, turn - edge},
+      {"{joint: rail, axis: x, at_least: 0.0005 m, stiffness: 1e-6 N/m}", "touch", 1, turn - edge},
+  };
+}
+
+TEST(UnseenEngagements, AForceThatEngagesAndPartsWithinAStepIsUnresolvedAndTheProposedStepSeesIt) {
+  for (const Engagement& one : list_engagements()) {
+    const AnalysedRun run(build_engagement("10 ms", one.element));
+    EXPECT_EQ(run.analysis.timeline.size(), one.before) << one.element;
+    const std::vector<hil::RunNotice> notices = list_searches(run);
+    ASSERT_EQ(notices.size(), 1u) << one.element;
+    EXPECT_EQ(notices[0].subject, "reach");
+    EXPECT_TRUE(notices[0].unresolved);
+    EXPECT_NE(notices[0].text.find("its event " + one.event + " was due within a step"), std::string::npos)
+        << notices[0].text;
+    EXPECT_FALSE(run.judge("end").unresolved.empty()) << one.element;
+    EXPECT_TRUE(run.judge("apart").unresolved.empty()) << run.judge("apart").unresolved;
+    const AnalysedRun fine(build_engagement(find_proposed_step(notices[0].text), one.element));
+    EXPECT_TRUE(list_searches(fine).empty()) << one.element << list_searches(fine)[0].text;
+    ASSERT_EQ(fine.analysis.timeline.size(), one.before + 2) << notices[0].text;
+    EXPECT_EQ(fine.analysis.timeline[one.before].name, one.event);
+    EXPECT_NEAR(fine.analysis.timeline[one.before].time, one.due, 1e-5) << one.element;
+    EXPECT_TRUE(fine.judge("end").unresolved.empty()) << fine.judge("end").unresolved;
+  }
+}
+
+TEST(UnseenEngagements, AForceThatEngagesAtATickOrNeverOrIsOffIsNotTaken) {
+  const std::string resolved[] = {
+      "{joint: rail, axis: x, at_most: 1.9 m, stiffness: 1 N/m}",
+      "{joint: rail, axis: x, at_most: 2.0001 m, stiffness: 1 N/m}",
+      "{joint: rail, axis: x, at_most: 1.9995 m, stiffness: 1 N/m, enabled: false}",
+      "{type: cord, between: [ground, slider], length: 1.9 m, stiffness: 1 kN/m}",
+      "{type: cord, between: [ground, slider], length: 2.0001 m, stiffness: 1 kN/m}",
+      "{type: pusher, between: [ground, slider], guide: [1, 0, 0], stroke: 0.1 m, preload: 1 N}",
+  };
+  for (const std::string& element : resolved) {
+    const AnalysedRun run(build_engagement("10 ms", element));
+    EXPECT_TRUE(list_searches(run).empty()) << element << list_searches(run)[0].text;
+    EXPECT_TRUE(run.judge("end").unresolved.empty()) << run.judge("end").unresolved;
+  }
 }
 
 // Two balls that pass each other at 2 m/s, nearer than 1 mm for 1 ms: their distance has a corner there.

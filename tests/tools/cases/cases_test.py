@@ -225,6 +225,7 @@ class CasesTest(ProcessTest):
         self.assertIn("policy.safe", [event["name"] for event in report["session_events"]])
         limits = {limit["id"]: limit["met"] for limit in report["session_limits"]}
         limits.pop("flight_software.overruns", None)  # on a busy machine ticks overrun; without a limit they are listed only
+        limits.pop("flight_software.late", None)  # on a busy machine commands are late
         self.assertEqual(limits, {"flight_software.lost": False, "flight_software.refused": True})
         cases = {case.get("name"): case for case in ElementTree.parse(junit).iter("testcase")}
         self.assertIsNotNone(cases["flight_software.lost"].find("failure"))
@@ -238,6 +239,21 @@ class CasesTest(ProcessTest):
         late = sum(count for at, count in timing["round_trip_ns"]["histogram"] if at > 5_000_000)
         self.assertGreater(late, 0.9 * states / 3)
         self.assertGreater(timing["round_trip_ns"]["p90"], 8_000_000)
+
+    def test_late_commands_beyond_one_percent_fail_a_session_unless_that_is_the_test(self):
+        flight = ("--pace", "realtime", "--until", "3", "--set", "requirements=[]")
+        junit = self.folder / "late.xml"
+        report = self.fly(*flight, "--junit", junit, obc=("slow",), code=1)
+        limit = next(limit for limit in report["session_limits"] if limit["id"] == "flight_software.late")
+        self.assertGreater(limit["value"], 0.3)  # from 1.5 s on three commands of each third tick
+        self.assertEqual((limit["at_most"], limit["met"]), (0.01, False))
+        cases = {case.get("name"): case for case in ElementTree.parse(junit).iter("testcase")}
+        self.assertIsNotNone(cases["flight_software.late"].find("failure"))
+        again = self.run_ok(UNLATCH, "replay", self.log, code=1).stdout
+        self.assertRegex(again, r"flight_software.late +not met +late commands, as a part of the ticks: 0\.\d+, at most 0.01")
+        allowed = self.fly(*flight, "--set", "flight_software.require.late=60 %", obc=("slow",))
+        limit = next(limit for limit in allowed["session_limits"] if limit["id"] == "flight_software.late")
+        self.assertEqual((limit["at_most"], limit["met"]), (0.6, True))
 
     # --- Python ------------------------------------------------------------------------------------------------------
 

@@ -262,12 +262,28 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.assertTrue(150 < len(lost) < 330, len(lost))  # of 800 with a probability of 0.3
         self.assertTrue(all(force[tick][1:] == force[tick - 1][1:] for tick in lost))
 
-    # A spring whose period the step does not resolve.
-    def test_what_is_made_of_an_unresolved_run_says_so(self):
+    # A spring whose period a step of 5 ms does not resolve.
+    def write_stiff(self, step):
         scenario = self.folder / "stiff.yaml"
-        scenario.write_text("unlatch: 1\nname: stiff\nstep: {dt: 5 ms, until: 0.3}\nbodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n"
+        scenario.write_text("unlatch: 1\nname: stiff\nstep: {dt: " + step + ", until: 0.3}\nbodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n"
                             "joints: {j: {between: [ground, a], modes: {slide: {kind: prismatic, axis: x}}}}\n"
                             "elements: {s: {type: joint_spring, joint: j, axis: x, stiffness: 1e6, rest: 1 mm}}\n")
+        return scenario
+
+    def test_a_table_of_csv_has_the_status_of_its_run_beside_it(self):
+        out = self.folder / "table.csv"
+        for step, status in (("5 ms", "unresolved"), ("0.05 ms", "ok")):
+            code = 0 if status == "ok" else 1
+            self.run_ok(UNLATCH, "run", self.write_stiff(step), "--log", self.log, code=code)
+            self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", out, code=code)
+            said = json.loads((self.folder / "table.status.json").read_text(encoding="utf-8"))
+            self.assertEqual((said["status"], said["reason"] != "", said["replays"]), (status, status != "ok", True))
+            self.assertRegex(said["hash"], r"^[0-9a-f]{16}$")
+        self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", "-")
+        self.assertEqual([path.name for path in self.folder.glob("*.status.json")], ["table.status.json"])
+
+    def test_what_is_made_of_an_unresolved_run_says_so(self):
+        scenario = self.write_stiff("5 ms")
         self.run_ok(UNLATCH, "run", scenario, "--log", self.log, code=1)
         for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
             out = self.folder / f"out.{form}"

@@ -67,6 +67,33 @@ class CampaignTest(ProcessTest):
         for name in ("samples.csv", "samples.parquet"):
             self.assertEqual((self.folder / "whole" / name).read_bytes(), (self.folder / "merged" / name).read_bytes())
 
+    # An arm that locks at 0.1 rad within the run where it swings fast enough; the blow passes through the base's weld.
+    def test_the_summary_names_requirements_whose_values_leave_out_the_impulse_of_a_blow(self):
+        (self.folder / "arm.yaml").write_text("""unlatch: 1
+name: arm
+step: {dt: 1 ms, until: 0.15}
+constants: {w: 1 rad/s}
+bodies:
+  base: {mass: 1, inertia: [1, 1, 1]}
+  arm: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0], velocity: [0, w * 1 m / (1 rad), 0], rate: [0, 0, w]}
+joints:
+  root: {between: [ground, base], modes: {held: {kind: weld}}}
+  hinge: {between: [base, arm], follower_point: [-1, 0, 0], modes: {open: {kind: revolute, axis: z}, locked: {kind: weld}}, mode: open}
+events: [{name: lock, when: {angle: {joint: hinge, axis: z}, above: 0.1}, then: [{latch: {joint: hinge, mode: locked}}]}]
+requirements:
+  - {id: root, reaction: {joint: root, row: force}, at_most: 10 N}
+  - {id: speed, rate: {body: arm}, at_most: 10 rad/s}
+""")
+        path = self.folder / "arm-campaign.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: arm.yaml\nsampling: grid\n"
+                        "parameters: {w: {path: constants.w, discrete: {values: [0.1 rad/s, 0.9 rad/s, 1 rad/s, 0.2 rad/s, 1.1 rad/s]}}}\n")
+        summary = self.run_campaign(path, "arm")
+        self.assertEqual([one.get("without_blow") for one in summary["requirements"]], [3, None])
+        said = self.run_ok(UNLATCH, "campaign", path, "--out", self.folder / "again").stdout
+        self.assertIn("note: the values of root in 3 samples are without the impulse of a blow through the joint", said)
+        self.assertEqual([row["message"] for row in read_table(self.folder / "arm")],
+                         ["", *["without the impulse of a blow: root"] * 2, "", "without the impulse of a blow: root"])
+
     def test_a_sample_run_alone_has_the_hash_of_the_table(self):
         path = self.write("samples: 5\nparameters:\n  m: {path: bodies.ball.mass, normal: {mean: nominal, sigma: 1 %}}\n"
                           "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: -1 m/s, max: 1 m/s}}\n")

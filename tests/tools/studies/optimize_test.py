@@ -409,6 +409,18 @@ class OptimizeTest(ProcessTest):
         result = self.optimize(dispersed, "d", code=1)
         self.assertEqual(result["status"], "unresolved")
 
+    # The cost of a thing that the scenario does not know: no run gets it.
+    def test_a_variable_that_an_objective_alone_reads_is_searched_and_one_that_nothing_reads_is_refused(self):
+        (self.folder / "s.yaml").write_text(SCENARIO + "constants: {price: 3}\n")
+        text = PROBLEM.replace("variables:\n", "variables:\n  p: {path: constants.price, between: [1, 5]}\n")
+        result = self.optimize(text.replace("a^2 + 4*b^2", "a^2 + 4*b^2 + (p - 2)^2 * 1 N^2"), "o")
+        self.assertAlmostEqual(result["variables"]["p"]["value"], 2, delta=1e-2)
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=1e-3)
+        self.run_ok(UNLATCH, "run", self.folder / "o/patch.yaml")
+        (self.folder / "p.yaml").write_text(text)
+        refused = self.run_ok(UNLATCH, "check", self.folder / "p.yaml", code=2)
+        self.assertIn("nothing reads the constant 'price'", refused.stderr)
+
     def write_campaign(self, samples, seed=1):
         (self.folder / "c.yaml").write_text(
             f"unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: {samples}\nseed: {seed}\n"

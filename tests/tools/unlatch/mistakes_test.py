@@ -201,6 +201,59 @@ class MistakesTest(ProcessTest):
                                         "parameters: {spare: {path: constants.spare, uniform: {min: 1 m, max: 2 m}}}\n")
         self.assertIn("nothing reads the constant 'spare'", self.refuse("check", campaign))
 
+    def test_a_constant_that_only_an_unread_one_names_is_unread_too(self):
+        text = self.UNREAD.replace("SET", "").replace("spare: 3 m", "spare: 3 m, more: 2 * spare, heavy: 2, load: heavy * 1 kg", 1).replace("load: 2 kg, ", "")
+        box = self.write("box.yaml", text)
+        warnings = self.run_json(UNLATCH, "check", box)["warnings"]
+        self.assertEqual([(w["name"], w["where"]) for w in warnings], [("unread", "constant 'spare'"), ("unread", "constant 'more'")])
+        for name in "spare", "more":
+            self.assertIn(f"nothing reads the constant '{name}'", self.refuse("run", box, "--set", f"constants.{name}=4 m"))
+        self.run_ok(UNLATCH, "run", box, "--set", "constants.heavy=3")
+
+    # The draws of a campaign replace what its scenario computes from the constant, and start from that.
+    def test_a_constant_that_a_campaign_is_given_for_the_mean_of_its_draws_is_read(self):
+        self.write("box.yaml", self.UNREAD.replace("SET", ""))
+        campaign = self.write("c.yaml", "unlatch_campaign: 1\nname: c\nscenario: box.yaml\nsamples: 3\nset: {constants.load: 5 kg}\n"
+                                        "parameters: {mass: {path: bodies.box.mass, normal: {mean: nominal, sigma: 1 %}}}\n")
+        self.run_ok(UNLATCH, "check", campaign)
+        self.run_ok(UNLATCH, "campaign", campaign, "--out", self.folder / "out", "--set", "constants.load=6 kg")
+        log = self.folder / "run.log"
+        self.run_ok(UNLATCH, "run", campaign, "--sample", "1", "--log", log, "--set", "constants.load=6 kg")
+        self.run_ok(UNLATCH, "replay", log)
+        both = self.write("both.yaml", campaign.read_text().replace("set: {constants.load: 5 kg}\n", "").replace(
+            "parameters: {", "parameters: {load: {path: constants.load, uniform: {min: 1 kg, max: 2 kg}}, "))
+        self.assertIn("nothing reads the constant 'load'", self.refuse("check", both))
+
+    # `required` is a list of names: nothing of it is called `late`.
+    def test_a_key_that_is_absent_is_no_misspelling_of_a_list_beside_it(self):
+        text = self.UNREAD.replace("SET", "").replace(", spare: 3 m", "") + "flight_software: {required: [obc]}\n"
+        box = self.write("box.yaml", text)
+        self.run_ok(UNLATCH, "check", box, "--set", "flight_software.require.late=2 %")
+        self.assertIn("lost", self.refuse("check", box, "--set", "flight_software.require.lots=2"))
+        self.assertIn("there is no 'boxx'", self.refuse("check", box, "--set", "bodies.boxx.mass=2"))
+
+    # Metres of a constant in millimetres would be a thousand times too much.
+    def test_a_study_with_plain_numbers_for_a_constant_in_another_unit_than_that_of_si_is_refused(self):
+        self.write("box.yaml", self.UNREAD.replace("SET", "").replace("spare: 3 m", "gap: 2 mm, turn: 2").replace("position: {body: box}, at_most: 1 m", "position: {body: box}, at_most: gap * turn"))
+        head = "unlatch_campaign: 1\nname: c\nscenario: box.yaml\nsamples: 3\nparameters: {g: {path: constants.gap, "
+        for plain in ("uniform: {min: 1, max: 4}", "uniform: {min: 1 mm, max: 4}", "normal: {mean: 3, sigma: 1 %}", "discrete: {values: [1, 2]}",
+                      "normal: {mean: nominal, sigma: 0.1}", "triangular: {min: 0, mode: 1, max: 2}"):
+            said = self.refuse("check", self.write("c.yaml", head + plain + "}}\n"))
+            self.assertIn("a plain number for 'constants.gap', which the scenario gives in mm; write the unit: 1 mm, or that of SI", said, plain)
+        for good in ("uniform: {min: 1 mm, max: 4 mm}", "uniform: {min: 0, max: 0.004 m}", "normal: {mean: nominal, sigma: 1 %}", "discrete: {values: [0, 2 mm]}"):
+            self.run_ok(UNLATCH, "check", self.write("c.yaml", head + good + "}}\n"))
+        self.run_ok(UNLATCH, "check", self.write("c.yaml", head.replace("gap", "turn") + "uniform: {min: 1, max: 4}}}\n"))
+        table = "unlatch_campaign: 1\nname: c\nscenario: box.yaml\nsampling: csv\ntable: t.csv\nparameters: {g: {path: constants.gap}}\n"
+        for heading, code in (("g", 2), ("g [mm]", 0), ("g [m]", 0)):
+            self.write("t.csv", heading + "\n0.001\n")
+            self.run_ok(UNLATCH, "check", self.write("c.yaml", table), code=code)
+        problem = ("unlatch_optimize: 1\nname: p\nscenario: box.yaml\nvariables: {width: {path: constants.gap, RANGE}}\nobjectives: [{minimise: r}]\n")
+        for plain in "between: [1, 4]", "values: [1, 4]", "values: [1 mm, 4]":
+            said = self.refuse("check", self.write("p.yaml", problem.replace("RANGE", plain)))
+            self.assertIn("plain numbers for 'constants.gap', which the scenario gives in mm", said)
+        for good in "between: [1 mm, 4 mm]", "values: [0, 1 mm]":
+            self.run_ok(UNLATCH, "check", self.write("p.yaml", problem.replace("RANGE", good)))
+
     def test_constants_that_nothing_reads_are_findings_of_check_and_of_each_run(self):
         box = self.write("box.yaml", self.UNREAD.replace("SET", ""))
         for verb in "check", "run":

@@ -264,7 +264,8 @@ class ToolsTest(ProcessTest):
         self.assertEqual((report["status"], report["ticks"]), ("ok", 30000))
         self.assertIn("has not answered for 0.5", said)
         self.assertEqual([(limit["id"], limit["value"], limit["at_most"], limit["met"]) for limit in report["session_limits"]],
-                         [("flight_software.lost", 1, 0, False), ("flight_software.refused", 0, 0, True)])
+                         [("flight_software.lost", 1, 0, False), ("flight_software.refused", 0, 0, True),
+                          ("flight_software.late", 0, 0.01, True)])
 
     def test_a_run_that_lost_its_flight_software_is_failed_unless_that_is_the_test(self):
         self.kill_flight_software("safe", "lockstep", 1)
@@ -294,8 +295,9 @@ class ToolsTest(ProcessTest):
         page = self.folder / "refused.html"
         self.run_ok(UNLATCH, "report", log, "--out", page, code=None)
         self.assertIn("flight_software.refused", page.read_text())
-        allowed = self.run_json(*command, "--set", f"flight_software.require={{refused: {refused}}}", code=None)
-        self.assertEqual([limit["met"] for limit in allowed["session_limits"]], [True, True])
+        for limit in f"require={{refused: {refused}}}", f"require.refused={refused}":
+            allowed = self.run_json(*command, "--set", f"flight_software.{limit}", code=None)
+            self.assertEqual([limit["met"] for limit in allowed["session_limits"]], [True, True, True])
 
     def test_killed_flight_software_ends_in_the_policy_abort(self):
         report, said = self.kill_flight_software("abort", "realtime", 1)

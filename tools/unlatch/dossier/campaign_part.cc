@@ -105,6 +105,11 @@ Json build_campaign_part(const CampaignData& data, const std::string& command, E
       count(json.at("inputs").size(), "dispersed input") + "; probabilities with bounds of 95 %.");
   evidence["robustness"].push_back(
       "Sensitivities of every requirement to every dispersed input, from the same samples.");
+  for (const Json& one : summary.at("requirements"))
+    if (one.contains("without_blow"))
+      evidence["uncertainty"].push_back("The values of " + one.at("id").get<std::string>() + " in " +
+                                        count(one.at("without_blow").get<long long>(), "sample") +
+                                        " are without the impulse of a blow through the joint.");
   if (!summary.at("unresolved").empty())
     evidence["uncertainty"].push_back(count(summary.at("unresolved").size(), "sample") +
                                       " unresolved: the bounds of probabilities hold whatever they are.");

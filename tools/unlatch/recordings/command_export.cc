@@ -2,6 +2,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "hil/scenario/base/module.h"
 #include "hil/scenario/shapes/clearance.h"
@@ -113,6 +114,17 @@ void write_touch_table(const ExportOptions& options, const std::vector<hil::Cont
   std::fprintf(stderr, "%s: the touches of contacts\n", path.string().c_str());
 }
 
+// What the run is worth, beside a table that has no place for it: run.csv has run.status.json.
+void write_status(const ExportOptions& options, const nlohmann::ordered_json& status) {
+  if (options.format != "csv" || !std::filesystem::is_regular_file(options.out)) return;
+  std::filesystem::path path = options.out;
+  path.replace_extension(".status.json");
+  Destination destination("json", path.string());
+  const std::string text = status.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), destination.get_stream());
+  destination.finish();
+}
+
 int write_fmu(const ExportOptions& options) {
   if (!options.format.empty() || !options.out.empty())
     refuse_option("--fmu", "the FMU is the output; --format and --out are for recordings");
@@ -176,9 +188,15 @@ int run(const ExportOptions& options) {
   std::string status = describe_status(recording, result);
   std::string why = recording.end ? recording.end->message : recording.shortfall;
   tell_unresolved(analysis, status, why);
-  sink->end({status, why, to_hex(simulation.calc_hash())});
+  const std::string hash = to_hex(simulation.calc_hash());
+  sink->end({status, why, hash});
   destination.finish();
   write_touch_table(options, contacts, recording.header);
+  write_status(options, {{"status", status},
+                         {"reason", why},
+                         {"replays", result.agrees()},
+                         {"ticks", simulation.get_tick()},
+                         {"hash", hash}});
 
   std::fprintf(stderr, "%s: %s, up to tick %lld (t = %g s), %s\n", options.out.c_str(), options.format.c_str(),
                static_cast<long long>(simulation.get_tick()), simulation.get_time(), status.c_str());
@@ -201,7 +219,8 @@ void add_export(Command app, int& exit_code) {
       "contacts csv and parquet write a second table, FILE.touches.csv: each touch with its times, shapes, peak force, "
       "depth and impulse. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the follower. Exit "
       "code 1: the file was written, but the replay differs from the recording, or the step did not resolve the run, "
-      "whose numbers are no results then: csv has no place that says so. --fmu writes a scenario as a co-simulation "
+      "whose numbers are no results then. A file of csv has FILE.status.json beside it: the run's status, its reason, "
+      "and whether it replays. --fmu writes a scenario as a co-simulation "
       "FMU instead: channels are inputs; "
       "sensors, reactions, bodies and clearances outputs.",
       "unlatch export run.log --format csv --every 10 --out run.csv\n"

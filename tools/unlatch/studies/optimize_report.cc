@@ -168,8 +168,10 @@ std::string write_patch(const OptimizeProblem& problem, const hil::OptimizePoint
   std::string text =
       "# Written by unlatch optimize: the scenario with the values that it found. It runs as it is.\nunlatch: "
       "1\ninclude: " +
-      file + "\nname: " + problem.name + "\nset:\n";
+      file + "\nname: " + problem.name + "\n";
+  const std::size_t before = text.size();
   const auto add = [&](const std::string& setting) {
+    if (text.size() == before) text += "set:\n";
     const std::size_t at = setting.find('=');
     text += "  \"" + setting.substr(0, at) + "\": " + setting.substr(at + 1) + "\n";
   };

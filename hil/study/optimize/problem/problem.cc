@@ -1,5 +1,6 @@
 #include "hil/study/optimize/problem/problem.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/run/run.h"
@@ -38,7 +39,8 @@ std::vector<Setting> make_settings(const OptimizeProblem& problem, const Optimiz
     const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
                                                    : make_scalar(write_value(variable, point[i]));
     for (std::size_t k = 0; k < variable.paths.size(); ++k)
-      settings.push_back({variable.paths[k], variable.columns.empty() ? value : value.items.at(variable.columns[k])});
+      if (std::ranges::find(problem.of_objectives, variable.paths[k]) == problem.of_objectives.end())
+        settings.push_back({variable.paths[k], variable.columns.empty() ? value : value.items.at(variable.columns[k])});
   }
   return settings;
 }

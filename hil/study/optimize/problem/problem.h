@@ -79,6 +79,8 @@ struct OptimizeProblem {
   std::string scenario;                // path
   std::vector<std::string> overrides;  // PATH=VALUE: `set`
   std::vector<OptimizeVariable> variables;
+  // Paths of constants that objectives alone read, by their variables' names: runs of the scenario do not get them.
+  std::vector<std::string> of_objectives;
   std::vector<Objective> objectives;
   std::vector<OptimizeConstraint> constraints;
   SearchMethod method = SearchMethod::kAuto;

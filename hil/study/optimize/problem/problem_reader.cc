@@ -9,6 +9,7 @@
 #include "hil/scenario/text/expression.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/yaml/scenario_error.h"
+#include "hil/scenario/yaml/yaml_override.h"
 #include "hil/scenario/yaml/yaml_reader.h"
 #include "hil/study/optimize/problem/problem.h"
 #include "hil/study/optimize/problem/variable_reader.h"
@@ -55,7 +56,9 @@ class ProblemReader {
     if (scenario != nullptr && open_scenario(*scenario)) {
       refuse_names_of_results();
       refuse_flight_software(*scenario, problem_.tree->get_nominal());
+      refuse_plain_numbers();
       if (campaign != nullptr) read_campaign(*campaign);
+      if (objectives != nullptr) find_constants_of_objectives(*objectives);
       if (constraints != nullptr)
         read_constraints(*constraints);
       else
@@ -132,6 +135,44 @@ class ProblemReader {
       if (problem_.evaluator->find(variable.name))
         mistakes_.add(variable.mark, "'" + variable.name + "' is a result of the scenario, such as a requirement, too",
                       "give the variable another name, so that an objective can mean either");
+  }
+
+  // A plain number for a constant that the scenario gives in millimetres would be one of metres.
+  void refuse_plain_numbers() {
+    for (const OptimizeVariable& variable : problem_.variables)
+      for (std::size_t k = 0; k < variable.paths.size(); ++k) {
+        const auto unit = find_constant_unit(problem_.tree->get_root(), variable.paths[k]);
+        if (unit && gives_plain_number(variable, k))
+          mistakes_.add(variable.mark,
+                        "plain numbers for '" + variable.paths[k] + "', which the scenario gives in " + unit->name,
+                        "write the unit: 1 " + unit->name + ", or that of SI");
+      }
+  }
+
+  // True if a value of the variable for its path number k is a number without a unit, other than 0.
+  static bool gives_plain_number(const OptimizeVariable& variable, std::size_t k) {
+    if (!variable.is_catalogue()) return variable.dimension.is_plain();
+    return std::ranges::any_of(variable.catalogue, [&](const YamlNode& item) {
+      const YamlNode& own = variable.columns.empty() ? item : item.items.at(variable.columns[k]);
+      Mistakes ignored("", {});
+      const auto number = own.is_scalar() ? read_quantity(own, ignored) : std::nullopt;
+      return number && number->dimension.is_plain() && number->value != 0;
+    });
+  }
+
+  // Constants of variables that objectives name and neither the scenario nor the campaign's reads.
+  void find_constants_of_objectives(const YamlNode& objectives) {
+    const auto is_unread = [&](const std::string& path) {
+      return is_unread_constant(problem_.tree->get_root(), path) &&
+             (!problem_.campaign || is_unread_constant(problem_.campaign->nominal->tree->get_root(), path));
+    };
+    for (const OptimizeVariable& variable : problem_.variables)
+      for (std::size_t k = 0; k < variable.paths.size(); ++k) {
+        std::string name = variable.name;
+        if (!variable.columns.empty()) name = variable.titles.empty() ? "" : variable.titles.at(variable.columns[k]);
+        if (!name.empty() && is_unread(variable.paths[k]) && names_word(objectives, name))
+          problem_.of_objectives.push_back(variable.paths[k]);
+      }
   }
 
   // Refuses a scenario whose flight software would have to take part.

@@ -164,7 +164,8 @@ OneSidedForce calc_one_sided_force(const OneSided& force, double limit, const Co
   own.point_base = to_vec(force.point_base);
   own.point_follower = to_vec(force.point_follower);
   const OneSidedMotion m = calc_point_motion(own, drum, bearing, calc_body_frame(base), calc_body_frame(follower));
-  return {m.direction, -own.sign * m.depth_rate, own.sign * calc_one_sided_force(force, m.depth, m.depth_rate)};
+  return {m.direction, -own.sign * m.depth_rate, m.depth, m.depth_rate,
+          own.sign * calc_one_sided_force(force, m.depth, m.depth_rate)};
 }
 
 ElementTraits OneSidedKind::describe(const Model& model, const OneSided& f) {
