@@ -129,6 +129,19 @@ Closest calc_closest(const Core& a, const Core& b) {
   return polytopes || !second.apart || second.gap < first.gap ? second : first;
 }
 
+bool find_closest_to_point(const Core& a, const Vec3& b, Closest& out) {
+  const double size = a.bound + norm(b - a.c);
+  const Projection on = calc_projection(a, b);
+  const Vec3 d = b - on.p;
+  const double squared = dot(d, d);
+  if (on.inside || squared <= calc_touching(size)) return false;
+  const double distance = std::sqrt(squared);
+  const Vec3 n = (1.0 / distance) * d;
+  const double gap = distance + (calc_extent(a, n) + dot(-n, b));
+  out = {on.p, b, n, distance, gap, true};
+  return gap <= kCertified * size;
+}
+
 Curvature calc_curvature(const Core& a, const Core& b, const Closest& at) {
   Curvature out;
   out.u = calc_across(at.n);

@@ -26,6 +26,8 @@ struct Closest {
 double calc_pair_size(const Core& a, const Core& b);
 
 Closest calc_closest(const Core& a, const Core& b);
+// The same of a point, as B: one projection. False if its result is not certified, or the point is not outside.
+bool find_closest_to_point(const Core& a, const Vec3& b, Closest& out);
 // The same, begun at a point of A.
 Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, double size);
 

@@ -27,18 +27,29 @@ void sharpen(const Core& a, const Core& b, Closest& closest) {
 Distance calc_convex(const Rounded& a, const Rounded& b) {
   Distance out;
   Closest closest = calc_closest(a.core, b.core);
+  const double size = calc_pair_size(a.core, b.core);
   if (closest.apart) {
-    if (closest.gap > kCertified * calc_pair_size(a.core, b.core)) sharpen(a.core, b.core, closest);
+    if (closest.gap > kCertified * size) sharpen(a.core, b.core, closest);
     out = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
   } else {
     const Depth depth = calc_depth(a.core, b.core);
     out = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
   }
-  move_to_middle(a.core, b.core, out.normal, calc_pair_size(a.core, b.core), out.on_a, out.on_b);
+  move_to_middle(a.core, b.core, out.normal, size, out.on_a, out.on_b);
   out.distance -= a.radius + b.radius;
   out.on_a += a.radius * out.normal;
   out.on_b -= b.radius * out.normal;
   return out;
+}
+
+bool find_ball(const Rounded& a, const Vec3& centre, double radius, Distance& out) {
+  Closest closest;
+  if (!find_closest_to_point(a.core, centre, closest)) return false;
+  out = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
+  out.distance -= a.radius + radius;
+  out.on_a += a.radius * out.normal;
+  out.on_b -= radius * out.normal;
+  return true;
 }
 
 }  // namespace unlatch::geometry

@@ -161,7 +161,11 @@ Distance calc_ordered(const ShapeView& a, const Placement& at_a, const ShapeView
   const Placed place_a = place(a.numbers, at_a, origin);
   const Placed place_b = place(b.numbers, at_b, origin);
   Distance out;
-  if (b.numbers.kind == ShapeKind::kHalfSpace) {  // A is hollow
+  const bool is_wall = a.numbers.kind == ShapeKind::kHollow || a.numbers.kind == ShapeKind::kHalfSpace;
+  if (b.numbers.kind == ShapeKind::kSphere && !is_wall) {
+    const Rounded core_a = build_core(a, place_a);
+    if (!find_ball(core_a, place_b.c, b.numbers.r0, out)) out = calc_convex(core_a, build_core(b, place_b));
+  } else if (b.numbers.kind == ShapeKind::kHalfSpace) {  // A is hollow
     out = calc_hollow_half_space(a, place_a, place_b);
   } else {
     const Rounded core_b = build_core(b, place_b);

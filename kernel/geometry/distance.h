@@ -15,6 +15,9 @@ struct Rounded {
 // Result in the pair's coordinates; `normal` from a to b.
 Distance calc_convex(const Rounded& a, const Rounded& b);
 
+// The same of a ball, as B; false where that takes more than one projection.
+bool find_ball(const Rounded& a, const Vec3& centre, double radius, Distance& out);
+
 // The wall of a frustum, or half of one (the part with local x ≥ 0): A, given by its solid.
 Distance calc_wall(const Core& solid, const Rounded& b);
 

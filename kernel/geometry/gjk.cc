@@ -102,15 +102,27 @@ void keep(const Nearest& nearest, Gjk& g) {
   for (int i = 0; i < nearest.count; ++i) g.w[i] = w[i], g.wa[i] = wa[i], g.wb[i] = wb[i];
 }
 
-}  // namespace
+// Support points of a core, and of a segment, whose ends are computed once.
+struct CoreSupport {
+  const Core& core;
+  Vec3 operator()(const Vec3& d) const { return calc_support(core, d); }
+};
+struct SegmentSupport {
+  Vec3 axis, low, high;
+  explicit SegmentSupport(const Core& core)
+      : axis(core.R.z), low(core.c + -core.h * core.R.z), high(core.c + core.h * core.R.z) {}
+  Vec3 operator()(const Vec3& d) const { return dot(axis, d) >= 0 ? high : low; }
+};
 
-Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
+template <class Support>
+Gjk find_nearest(const Core& a, const Core& b, const Vec3& towards) {
+  const Support of_a{a}, of_b{b};
   Gjk g;
   const Vec3 between = b.c - a.c;
   const double size = (a.bound + b.bound) + norm(between);
   const double touching = (kRelative * size) * (kRelative * size);
-  g.wa[0] = calc_support(a, towards);
-  g.wb[0] = calc_support(b, -towards);
+  g.wa[0] = of_a(towards);
+  g.wb[0] = of_b(-towards);
   g.w[0] = g.wa[0] - g.wb[0];
   g.count = 1;
   Nearest found[2];  // the latest, and the next try
@@ -123,7 +135,7 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
       g.overlap = true;
       break;
     }
-    const Vec3 sa = calc_support(a, -v), sb = calc_support(b, v), s = sa - sb;
+    const Vec3 sa = of_a(-v), sb = of_b(v), s = sa - sb;
     if (nearest.squared - dot(v, s) <= kRelative * size * std::sqrt(nearest.squared)) break;
     bool known = false;
     for (int i = 0; i < g.count; ++i) known |= g.w[i].x == s.x && g.w[i].y == s.y && g.w[i].z == s.z;
@@ -153,6 +165,13 @@ Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
     g.b += found[latest].weight[i] * g.wb[i];
   }
   return g;
+}
+
+}  // namespace
+
+Gjk calc_gjk(const Core& a, const Core& b, const Vec3& towards) {
+  const bool segments = a.kind == Core::Kind::kSegment && b.kind == Core::Kind::kSegment;
+  return segments ? find_nearest<SegmentSupport>(a, b, towards) : find_nearest<CoreSupport>(a, b, towards);
 }
 
 }  // namespace unlatch::geometry

@@ -341,7 +341,7 @@ bool has_face(const Core& core, const Vec3& n) {
 }  // namespace
 
 void move_to_middle(const Core& A, const Core& B, const Vec3& n, double size, Vec3& a, Vec3& b) {
-  if (!has_face(A, n) || !has_face(B, -n)) return;
+  if (A.kind == Core::Kind::kPoint || B.kind == Core::Kind::kPoint || !has_face(A, n) || !has_face(B, -n)) return;
   Plane plane;
   plane.origin = a;
   plane.u = calc_across(n);

@@ -29,9 +29,19 @@ template <int kWidest>
   sweep_forth<kWidest>(plan, ev, whole);
 }
 
+// Both passes while all joints that might close loops have parted.
+template <int kWidest, bool kFactor>
+int sweep_tree(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  if (const int node = sweep_back<kWidest, kFactor>(plan, ev, sweep); node != kNone) return node;
+  sweep_forth<kWidest>(plan, ev, sweep);
+  if (sweep.multipliers) clear_loop_multipliers(plan, ev);
+  return kNone;
+}
+
 // Both passes where loops are eliminated where they close.
 template <int kWidest, bool kFactor>
 [[gnu::noinline]] int sweep_clusters(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  if (ev.loop_count == 0) return sweep_tree<kWidest, kFactor>(plan, ev, sweep);
   using Clusters = LoopClusters<Pack<kWidest>>;
   struct Backward {
     Clusters clusters;

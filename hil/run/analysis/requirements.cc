@@ -292,6 +292,14 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       continue;
     }
     track.skips = false;
+    // One piece shows that a contact which stays open has no force and no depth.
+    const bool apart = is_of_motion(r) && !contacts_.is_closed(from.state, at(r.a));
+    if (apart && track.apart) {
+      track.fresh = true;
+      track.last_time = to.time;
+      continue;
+    }
+    track.apart = apart;
     // What a law reads goes on smoothly through its corners.
     const bool begins = track.fresh || !(track.law ? window.is_continuous() : window.is_smooth());
     double start = track.last;

@@ -71,6 +71,7 @@ class RequirementMonitor {
     std::optional<LawCurve> law;  // instead, of a quantity that is a law
     bool has_last = false, fresh = true;
     bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
+    bool apart = false;  // the latest piece had its contact open, so that it had no force and no depth
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
   };
 

@@ -59,6 +59,7 @@ ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simul
     tracks_.emplace_back().record.name = contact.name;
     pairs_.push_back(list_contact_pairs(scenario.model, contact));
   }
+  known_.resize(tracks_.size());
 }
 
 bool ContactHistory::is_closed(const State& state, std::size_t contact) const {
@@ -190,9 +191,13 @@ double ContactHistory::calc(const State& state, int contact, Requirement::Contac
 }
 
 ContactReading ContactHistory::calc(const MotionWindow& window, int contact, double time) const {
+  std::vector<Known>& known = known_[static_cast<std::size_t>(contact)];
+  const auto found = std::ranges::find(known, time, &Known::time);
+  if (found != known.end()) return found->reading;
   const State& state = (time < window.get_present().from ? previous_ : present_).state;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) state.bodies[b] = window.calc_body(static_cast<int>(b), time);
-  return calc_contact(simulation_.plan(), state, contact);
+  known.push_back({time, calc_contact(simulation_.plan(), state, contact)});
+  return known.back().reading;
 }
 
 void ContactHistory::finish(Track& track, int contact) const {
@@ -205,6 +210,7 @@ void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, con
   if (tracks_.empty()) return;
   copy(present_.state, previous_.state);
   copy(from.state, present_.state);
+  for (std::vector<Known>& known : known_) known.clear();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
     track.record.totals = get_contact_totals(simulation_.plan(), to.state, static_cast<int>(i));

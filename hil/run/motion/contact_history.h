@@ -82,9 +82,16 @@ class ContactHistory {
   // of the piece.
   [[nodiscard]] ContactReading calc(const MotionWindow& window, int contact, double time) const;
   [[nodiscard]] ContactReading calc(const State& state, int contact) const;
+  // Some pair of its shapes is closed.
+  [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
   [[nodiscard]] double calc(const State& state, int contact, Requirement::ContactValue value) const;
 
  private:
+  // Between knots: force and depth are searched at the same times, and requirements ask for them as well.
+  struct Known {
+    double time;
+    ContactReading reading;
+  };
   struct Track {
     ContactRecord record;
     Smallest force, depth;              // minima of the negatives
@@ -96,7 +103,6 @@ class ContactHistory {
   void open_touch(Track& track, std::size_t contact, double time, const State& before, const State& state);
   void close_touch(Track& track, int contact, Touch& touch) const;
   void add_bounce(Track& track, std::size_t contact, const MotionKnot& before, const MotionKnot& after);
-  [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
   void finish(Track& track, int contact) const;
 
   const Scenario& scenario_;
@@ -107,6 +113,7 @@ class ContactHistory {
   const MotionWindow* window_ = nullptr;
   mutable OwnState present_, previous_;  // scratch: states of the window's pieces, for which pairs are closed in them
   mutable ContactReadings readings_;     // of the knots
+  mutable std::vector<std::vector<Known>> known_;  // by contact, of the window's two pieces
 };
 
 }  // namespace unlatch::hil

@@ -13,6 +13,7 @@ namespace {
 
 // Force or torque of friction per speed, N s/m or N m s/rad.
 double calc_resistance(const Simulation& simulation, std::size_t number, const OneSided& force) {
+  if (simulation.state().engaged[number] == 0) return 0;
   const OneSidedReading reading = calc_one_sided(simulation.plan(), simulation.workspace(), static_cast<int>(number));
   if (!(reading.force > 0)) return 0;
   return reading.scale * force.friction / std::hypot(reading.depth_rate, force.friction_speed);

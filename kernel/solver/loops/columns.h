@@ -82,11 +82,14 @@ class Columns {
     const T o(0.0);
     for (int i = 0; i < rows * kStride; i += T::kWidth) store(rows_ + i, o);
   }
-  // The first rows += scale · x yᵀ
-  UNLATCH_INLINE void add_outer(int rows, double scale, const double* x, const double* y) const {
+  // The first rows += Σ x yᵀ of several parts, one after the other in each entry. x: of each part `rows` numbers.
+  UNLATCH_INLINE void add_outers(int rows, int parts, const double (*x)[kEight], const double* const* y) const {
     for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
-      const T pack = load<T>(y + c);
-      for (int r = 0; r < rows; ++r) set(r, c, get(r, c) + T(scale * x[r]) * pack);
+      for (int r = 0; r < rows; ++r) {
+        T sum = get(r, c);
+        for (int k = 0; k < parts; ++k) sum = sum + T(x[k][r]) * load<T>(y[k] + c);
+        set(r, c, sum);
+      }
     });
   }
 

@@ -137,31 +137,49 @@ class LoopClosures {
     F.set_column(r, F.get_column(r) - part * F.get_column(p));
   }
   void update_links(const LoopClosure& plan, const ClosureWork& c) const {
+    if (c.rank == 0) return;
     const std::span<const LoopLink> links = get_links(plan);
     const std::int32_t* pair = plan_.loop_pairs.data() + plan.first_pair;
     for (std::size_t i = 0; i < links.size(); ++i) {
       const Numbers left = get_block(links[i]);
       ClosureWork& other = ev_.closures[at(links[i].closure)];
-      for (std::size_t j = i; j < links.size(); ++j, ++pair) {
-        if (other.count == 0) continue;
-        const Numbers block = get_block(*pair, links[j].closure), right = get_block(links[j]);
-        for (int k = 0; k < c.rank; ++k)
-          block.add_outer(other.count, -c.inverse[k], left.row(c.order[k]), right.row(c.order[k]));
+      if (other.count == 0) {
+        pair += links.size() - i;
+        continue;
       }
-      for (int k = 0; k < c.rank; ++k) add_lost(c, k, left.row(c.order[k]), other);
-      if (plan.slot == kNone) continue;
-      const Numbers F = get_numbers(plan.slot), to = get_numbers(links[i].slot);
+      double x[kRows][kEight];
       for (int k = 0; k < c.rank; ++k)
-        for (int n = 0; n < SlotRows::kWrenches; ++n)
-          subtract<T>(to.row(n), other.count, F.row(n)[c.order[k]] * c.inverse[k], left.row(c.order[k]));
+        for (int r = 0; r < other.count; ++r) x[k][r] = -c.inverse[k] * left.row(c.order[k])[r];
+      for (std::size_t j = i; j < links.size(); ++j, ++pair) {
+        const Numbers block = get_block(*pair, links[j].closure), right = get_block(links[j]);
+        const double* y[kRows];
+        for (int k = 0; k < c.rank; ++k) y[k] = right.row(c.order[k]);
+        block.add_outers(other.count, c.rank, x, y);
+      }
+      add_lost(c, left, other);
+      if (plan.slot != kNone) update_wrenches(c, get_numbers(plan.slot), left, get_numbers(links[i].slot));
     }
   }
-  // By the k-th pivot, which the rows of another loop meet with `row`.
-  static void add_lost(const ClosureWork& c, int k, const double* row, ClosureWork& other) {
-    const T inverse(c.inverse[k]), own(c.own[c.order[k]]);
+  // By the pivots, which the rows of another loop meet with `left`.
+  static void add_lost(const ClosureWork& c, const Numbers& left, ClosureWork& other) {
     for_packs<T>(other.count, [&](int i) UNLATCH_INLINE_LAMBDA {
-      const T part = load<T>(row + i) * inverse;
-      store(other.lost + i, load<T>(other.lost + i) + (part * part) * own);
+      T lost = load<T>(other.lost + i);
+      for (int k = 0; k < c.rank; ++k) {
+        const T part = left.get(c.order[k], i) * T(c.inverse[k]);
+        lost = lost + (part * part) * T(c.own[c.order[k]]);
+      }
+      store(other.lost + i, lost);
+    });
+  }
+  // Wrenches `to` of another loop, by those of this one.
+  static void update_wrenches(const ClosureWork& c, const Numbers& F, const Numbers& left, const Numbers& to) {
+    to.for_packs([&](int i) UNLATCH_INLINE_LAMBDA {
+      for (int n = 0; n < SlotRows::kWrenches; ++n) {
+        T wrench = to.get(n, i);
+        for (int k = 0; k < c.rank; ++k)
+          wrench = wrench - T(F.row(n)[c.order[k]] * c.inverse[k]) * left.get(c.order[k], i);
+        to.set(n, i, wrench);
+      }
     });
   }
   void reduce_target(int e) const {

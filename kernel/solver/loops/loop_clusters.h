@@ -148,17 +148,38 @@ class LoopClusters {
     }
   };
 
-  // Λ += scale · x yᵀ of one pivot, or a part of it; `x`, `y`: rows of SlotRows.
-  void add_to_matrix(const ClusterNode& node, double scale, int x, int y) const {
+  // scale · x yᵀ of one pivot, or a part of it; `x`, `y`: rows of SlotRows.
+  struct Outer {
+    double scale;
+    int x, y;
+  };
+  static constexpr int kMostOuters = SlotRows::kWrenches + kRows;
+
+  // Λ += the parts, one after the other in each entry.
+  void add_to_matrix(const ClusterNode& node, const Outer* parts, int count) const {
     const std::int32_t* pair = plan_.loop_pairs.data() + node.first_pair;
-    for (std::int32_t i = node.first_slot + node.closing; i < node.first_slot + node.slots; ++i) {
+    const std::int32_t end = node.first_slot + node.slots;
+    for (std::int32_t i = node.first_slot + node.closing; i < end; ++i) {
       ClosureWork& own = ev_.closures[at(plan_.loop_slots[at(i)].closure)];
+      if (own.count == 0) {
+        pair += end - i;
+        continue;
+      }
       const Numbers left = closures_.get_numbers(i);
-      for (std::int32_t j = i; j < node.first_slot + node.slots; ++j, ++pair)
-        closures_.get_block(*pair, plan_.loop_slots[at(j)].closure)
-            .add_outer(own.count, scale, left.row(x), closures_.get_numbers(j).row(y));
+      double x[kMostOuters][kEight];
+      for (int k = 0; k < count; ++k)
+        for (int r = 0; r < own.count; ++r) x[k][r] = parts[k].scale * left.row(parts[k].x)[r];
+      for (std::int32_t j = i; j < end; ++j, ++pair) {
+        const Numbers right = closures_.get_numbers(j);
+        const double* y[kMostOuters];
+        for (int k = 0; k < count; ++k) y[k] = right.row(parts[k].y);
+        closures_.get_block(*pair, plan_.loop_slots[at(j)].closure).add_outers(own.count, count, x, y);
+      }
       left.for_packs([&](int c) UNLATCH_INLINE_LAMBDA {
-        store(own.own + c, load<T>(own.own + c) + (T(scale) * left.get(x, c)) * left.get(y, c));
+        T sum = load<T>(own.own + c);
+        for (int k = 0; k < count; ++k)
+          sum = sum + (T(parts[k].scale) * left.get(parts[k].x, c)) * left.get(parts[k].y, c);
+        store(own.own + c, sum);
       });
     }
   }
@@ -188,7 +209,9 @@ class LoopClusters {
         add_to_parent(slot, offset, c, F);
       });
     });
-    for (int k = 0; k < f.count; ++k) add_to_matrix(node, f.inverse[k], f.place[k], f.place[k]);
+    Outer parts[kRows];
+    for (int k = 0; k < f.count; ++k) parts[k] = {f.inverse[k], f.place[k], f.place[k]};
+    add_to_matrix(node, parts, f.count);
   }
 
   void pass_rows(const ClusterNode& node, const SolvedNode& solved) const {
@@ -216,8 +239,11 @@ class LoopClusters {
         add_to_parent(slot, offset, c, F);
       });
     });
-    for (int i = 0; i < SlotRows::kWrenches; ++i) add_to_matrix(node, 1, SlotRows::kWrench + i, rows.response + i);
-    for (int k = 0; k < rows.count; ++k) add_to_matrix(node, -inverse[k], rows.place[k], rows.place[k]);
+    Outer parts[kMostOuters];
+    int count = 0;
+    for (int i = 0; i < SlotRows::kWrenches; ++i) parts[count++] = {1, SlotRows::kWrench + i, rows.response + i};
+    for (int k = 0; k < rows.count; ++k) parts[count++] = {-inverse[k], rows.place[k], rows.place[k]};
+    add_to_matrix(node, parts, count);
   }
 
   void pass_loads_by_freedoms(const ClusterNode& node, const SolvedNode& solved, const Freedoms& f, bool biased) const {
