@@ -248,11 +248,12 @@ TEST(Bundle, LogsOfRunsWithLawsHaveTheBitsOfEachAlone) {
   for (int i = 0; i < 4; ++i) {
     Model model = build_pushed({constant(2)});
     model.name = "watched";
-    model.quantities.push_back(along_x(Quantity::Kind::kVelocity, "v"));
-    model.laws.push_back(law_of({quantity(1), step_of(Kind::kTable, 0), quantity(1), constant(100.2), constant(1),
+    model.quantities.push_back(along_x(Quantity::Kind::kAltitude, "altitude"));
+    model.laws.push_back(law_of({quantity(1), step_of(Kind::kTable, 0), quantity(1), constant(10012.3), constant(1),
                                  constant(2), step_of(Kind::kIfLess), step_of(Kind::kMultiply)},
                                 "watched"));
-    model.tables.push_back(table_of({{99, 100.1, 100.4, 101}}, [](const auto& at) { return at[0] * at[0]; }));
+    model.tables.push_back(
+        table_of({{9e3, 10003.1, 10020.4, 11e3}}, [](const auto& at) { return 1e-8 * at[0] * at[0]; }));
     Quantity& output = model.quantities.emplace_back();
     output.name = "watched law";
     output.kind = Quantity::Kind::kLaw;
@@ -288,7 +289,46 @@ TEST(Bundle, LogsOfRunsWithLawsHaveTheBitsOfEachAlone) {
       }
     }
   }
-  EXPECT_GT(corners, 4 * 2);
+  EXPECT_GT(corners, 4 * 5) << "knots of the law, its branch, of the mass, and of the wind";
+}
+
+// Conditions on commands: those of one run change while the others' stay.
+TEST(Bundle, RunsWhoseCommandsMakeEventsHaveTheBitsOfEachAlone) {
+  constexpr int kRuns = 5;
+  std::vector<Model> models;
+  for (int k = 0; k < kRuns; ++k) {
+    Model model;
+    model.name = "commanded";
+    model.bodies = {box("a", 3 + 0.1 * k, 1, 2, 3), box("b", 2, 1, 1, 1)};
+    model.bodies[0].w_WB_B = {0.1, 0.2, 0.3 * k};
+    model.bodies[1].p_WB = {1, 0, 0};
+    PointSpring& spring = model.point_springs.emplace_back();
+    spring.name = "spring";
+    spring.base = 0;
+    spring.follower = 1;
+    spring.stiffness = 50;
+    spring.free_length = 0.9;
+    Channel& channel = model.channels.emplace_back();
+    channel.name = "switch";
+    Event& event = model.events.emplace_back();
+    event.name = "off";
+    event.when = when(Condition::Kind::kCommand, 0, 0, 0.5);
+    event.repeat = true;
+    event.then.resize(1);
+    event.then[0].kind = Action::Kind::kSwitch;
+    models.push_back(model);
+  }
+  Fleet fleet(models, {});
+  ASSERT_TRUE(fleet.bundle);
+  int fired = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    for (int k = 0; k < kRuns; ++k)
+      for (Logged* run : {fleet.alone[at(k)].get(), fleet.together[at(k)].get()})
+        run->simulation.commands[0] = tick > 10 + 7 * k && tick < 40 ? 1 : 0;
+    ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+    for (const BundleRun& run : fleet.runs) fired += static_cast<int>(run.report.events.size());
+  }
+  EXPECT_EQ(fired, kRuns);
 }
 
 // A run that fails or ends does not disturb the others, and one whose state its owner replaces continues from there.

@@ -241,6 +241,95 @@ TEST(ContactKinds, ABlowOfARoughAndASmoothPairHasTheImpulsesOfTheClosedForm) {
     }
 }
 
+// A blow is the same whichever side of the contact the ground is.
+TEST(ContactKinds, ABlowOnTheGroundIsTheSameWhicheverSideItIs) {
+  for (const double friction : {0.0, 0.3}) {
+    BodyState states[2];
+    ContactTotals totals[2];
+    for (const bool ground_is_base : {true, false}) {
+      Model model = build_rigid_feet();
+      model.contacts[0].restitution = 0.5;
+      model.contacts[0].friction = friction;
+      if (!ground_is_base) std::swap(model.contacts[0].base, model.contacts[0].follower);
+      model.bodies[0].p_WB.z() += 0.01;
+      model.bodies[0].v_WB = {0.5, 0.25, -1};
+      model.bodies[0].w_WB_B = {0.3, -0.2, 0.1};
+      Simulation s(model);
+      for (int i = 0; i < 40; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+      states[ground_is_base] = s.state.bodies[0];
+      totals[ground_is_base] = get_contact_totals(s.plan, s.state, 0);
+    }
+    EXPECT_GT(totals[0].impulse, 1);
+    EXPECT_NEAR(totals[0].impulse, totals[1].impulse, 1e-10);
+    EXPECT_NEAR(totals[0].dissipated, totals[1].dissipated, 1e-10);
+    EXPECT_LT(norm(states[0].p - states[1].p), 1e-11);
+    EXPECT_LT(norm(states[0].v - states[1].v), 1e-9);
+    EXPECT_LT(norm(states[0].w - states[1].w), 1e-9);
+  }
+}
+
+// A stiff contact of one body and rigid ones of another in one model: both move as each does by itself.
+TEST(ContactKinds, StiffAndRigidOnesBesideEachOtherMoveAsEachAlone) {
+  for (const double friction : {0.0, 0.4}) {
+    Model rigid = build_rigid_feet();
+    rigid.contacts[0].friction = friction;
+    rigid.contacts[0].restitution = 0.3;
+    rigid.bodies[0].p_WB.z() += 0.01;
+    rigid.bodies[0].v_WB = {0.5, 0.25, 0};
+    const Model stiff = build_dropped_ball(0.02);
+    Model both = rigid;
+    both.bodies.push_back(stiff.bodies[0]);
+    both.bodies[1].p_WB.x() += 5;
+    Surface ball = stiff.surfaces[1];
+    ball.body = 1;
+    both.surfaces.push_back(ball);
+    both.contacts.insert(both.contacts.begin(), stiff.contacts[0]);  // the stiff one comes first
+    both.contacts[0].follower = 2;
+    both.events.clear();
+    add_contact_events(both);
+    Simulation a(rigid), b(stiff), c(both);
+    for (int i = 0; i < 300; ++i)
+      for (Simulation* s : {&a, &b, &c}) ASSERT_EQ(s->advance().status, StepStatus::kOk) << i;
+    constexpr double kOfParts = 1e-6;  // m, m/s: the stiff contact cuts the steps of the other body too
+    EXPECT_LT(norm(c.state.bodies[0].p - a.state.bodies[0].p), kOfParts);
+    EXPECT_LT(norm(c.state.bodies[0].v - a.state.bodies[0].v), kOfParts);
+    EXPECT_LT(norm(c.state.bodies[1].p - (b.state.bodies[0].p + Vec3{5, 0, 0})), kOfParts);
+    EXPECT_LT(norm(c.state.bodies[1].v - b.state.bodies[0].v), 100 * kOfParts);
+    EXPECT_NEAR(get_contact_totals(c.plan, c.state, 1).impulse, get_contact_totals(a.plan, a.state, 0).impulse, 1e-5);
+    EXPECT_NEAR(get_contact_totals(c.plan, c.state, 0).impulse, get_contact_totals(b.plan, b.state, 0).impulse, 1e-4);
+  }
+}
+
+// A block that falls flat on four rough feet and against a smooth wall at one instant, sliding along the wall: the feet
+// bear what falls, the wall what comes towards it, and friction takes its part of the rest.
+TEST(ContactKinds, AFlatFallOnRoughFeetAgainstASmoothWallHasTheImpulsesOfTheClosedForm) {
+  constexpr double kFriction = 0.25, kWay = 0.015625, kMass = 2;
+  for (const double along : {0.75, -2.0}) {
+    Model model = build_rigid_feet();
+    model.gravity.uniform.setZero();
+    model.contacts[0].friction = kFriction;
+    model.bodies[0].p_WB.z() += kWay;
+    model.bodies[0].v_WB = {1, along, -1};
+    geometry::Shape wall = build_floor();
+    wall.normal = {-1, 0, 0};
+    wall.from = {0.5 + kWay, 0, 0};
+    Surface bumpers{"bumpers", 0, {}};
+    for (const double y : {-0.125, 0.125}) bumpers.shapes.push_back(build_sphere(0.125, {0.375, y, 0}));
+    model.surfaces.push_back({"wall", kGround, {wall}});
+    model.surfaces.push_back(bumpers);
+    model.contacts.push_back(touch_rigidly("bumpers on wall", 2, 3));
+    model.events.clear();
+    add_contact_events(model);
+    Simulation s(model);
+    for (int i = 0; i < 16; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+    EXPECT_NEAR(get_contact_totals(s.plan, s.state, 0).impulse, kMass, 1e-9);
+    EXPECT_NEAR(get_contact_totals(s.plan, s.state, 1).impulse, kMass, 1e-9);
+    const Vec3 left{0, along - std::copysign(kFriction, along), 0};
+    EXPECT_LT(norm(s.state.bodies[0].v - left), 1e-9);
+    EXPECT_LT(norm(s.state.bodies[0].w), 1e-8);
+  }
+}
+
 TEST(ContactKinds, ParallelCapsulesThatLieOnEachOtherAtTheStartHaveNoRowEither) {
   Model model;
   model.gravity.uniform = {0, 0, -kGravity};
