@@ -12,6 +12,7 @@
 #include "tests/support/modal_model.h"
 #include "tests/support/simulation.h"
 #include "unlatch/energy.h"
+#include "unlatch/plan_image.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::test::observers_test {
@@ -395,6 +396,28 @@ TEST(Observers, LeastAndGreatestOfWhatIsNoNumberAreNone) {
       (void)update_outputs(s.plan, {s.commands}, s.state, s.workspace);
       EXPECT_TRUE(std::isnan(s.workspace.laws[0])) << first;
     }
+}
+
+TEST(Observers, ABranchThatWhatIsNoNumberDecidesIsNone) {
+  for (const bool first : {true, false}) {
+    using laws::constant;
+    using laws::step_of;
+    Model model;
+    model.bodies = {box("body", 1, 1, 1, 1)};
+    std::vector<LawStep> steps{constant(3)};
+    steps.insert(first ? steps.begin() : steps.end(), {constant(-1), step_of(LawStep::Kind::kSqrt)});
+    steps.insert(steps.end(), {constant(1), constant(2), step_of(LawStep::Kind::kIfLess)});
+    model.laws = {laws::law_of(steps)};
+    Simulation s(model);
+    (void)update_outputs(s.plan, {s.commands}, s.state, s.workspace);
+    EXPECT_TRUE(std::isnan(s.workspace.laws[0])) << first;
+  }
+}
+
+TEST(Observers, ValuesThatNoEnumerationHasAreNamedAsSuch) {
+  EXPECT_STREQ(get_status_text(static_cast<StepStatus>(999)), "unknown");
+  EXPECT_STREQ(get_status_text(static_cast<ImageStatus>(999)), "unknown status");
+  EXPECT_STREQ(get_name(static_cast<InstructionSet>(99)), "");
 }
 
 TEST(Observers, AContactIsClosedFromItsTouchOn) {
