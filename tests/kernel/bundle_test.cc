@@ -12,6 +12,7 @@
 
 #include "tests/golden/golden_models.h"
 #include "tests/support/contact_models.h"
+#include "tests/support/law_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
@@ -206,6 +207,128 @@ TEST(Bundle, RunsWithClosedContactsHaveTheBitsOfEachAlone) {
     ASSERT_TRUE(fleet.bundle);
     for (int tick = 0; tick < 300; ++tick) ASSERT_EQ(fleet.advance(), "") << model.name << " tick " << tick;
   }
+}
+
+// Rockets that empty tanks of several stages of emptiness, each at its own instants: their steps are split there.
+TEST(Bundle, TanksThatEmptyAtTheirOwnInstantsHaveTheBitsOfEachAlone) {
+  constexpr double kThrust = 500, kExhaust = 2500, kFull = 20;  // N, m/s, kg
+  Model model;
+  model.name = "tanks";
+  for (const char* name : {"first", "second"}) {
+    Body& tank = model.bodies.emplace_back(box(name, kFull, 2, 3, 4));
+    MassLaw law;
+    law.of = MassLaw::Of::kBurnt;
+    for (const double burnt : {0.0, 0.0153, 0.0171, 0.0402})
+      law.knots.push_back({burnt, kFull - burnt, {2 * burnt * burnt, 0, 0}, (1 - burnt) * tank.inertia});
+    tank.law = law;
+    Load& load = model.loads.emplace_back();
+    load.name = std::string("thrust of ") + name;
+    load.body = static_cast<int>(model.bodies.size()) - 1;
+    load.point = {0, 0.01, 0};
+    load.profile.value = kThrust * (load.body + 1);
+    load.consumption = 1 / kExhaust;
+  }
+  Fleet fleet(build_fleet(model, 6), {});
+  ASSERT_TRUE(fleet.bundle);
+  constexpr int kTicks = 250;
+  for (int tick = 0; tick < kTicks; ++tick) ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+  EXPECT_GE(fleet.split, 6 * 2) << "knots of what is burnt";
+  // What the first run has burnt: the thrust's impulse by the speed of its exhaust.
+  for (const int tank : {0, 1})
+    EXPECT_NEAR(fleet.together[0]->simulation.state.auxiliary[at(tank)],
+                kThrust * (tank + 1) * 0.001 * kTicks / kExhaust, 1e-12);
+}
+
+// A law that only outputs read splits no step; the log of its run marks where it passes a knot, in a bundle too. Masses
+// over time, the rows of the wind and a branch do so beside it.
+TEST(Bundle, LogsOfRunsWithLawsHaveTheBitsOfEachAlone) {
+  using namespace laws;
+  using laws::Kind;
+  std::vector<Model> models;
+  for (int i = 0; i < 4; ++i) {
+    Model model = build_pushed({constant(2)});
+    model.name = "watched";
+    model.quantities.push_back(along_x(Quantity::Kind::kAltitude, "altitude"));
+    model.laws.push_back(law_of({quantity(1), step_of(Kind::kTable, 0), quantity(1), constant(10012.3), constant(1),
+                                 constant(2), step_of(Kind::kIfLess), step_of(Kind::kMultiply)},
+                                "watched"));
+    model.tables.push_back(
+        table_of({{9e3, 10003.1, 10020.4, 11e3}}, [](const auto& at) { return 1e-8 * at[0] * at[0]; }));
+    Quantity& output = model.quantities.emplace_back();
+    output.name = "watched law";
+    output.kind = Quantity::Kind::kLaw;
+    output.subject = 1;
+    model.environment = {.planet = Planet{}, .atmosphere = Atmosphere{}, .wind = Wind{}, .launch = {}};
+    model.environment.wind = {.altitudes = {9e3, 10.02e3}, .velocities = {{0, 0, 0}, {20, 0, 0}}};
+    Aerodynamics air{.name = "air", .body = 0, .area = 0.01, .terms = {}};
+    air.terms = {{AeroTerm::Of::kDrag, kNone, 0.4, kNone}};
+    model.aerodynamics = {air};
+    MassLaw law;
+    law.knots = {{0, 2, {0, 0, 0}, model.bodies[0].inertia},
+                 {0.0405 + 0.01 * i, 1.9, {0, 0, 0}, model.bodies[0].inertia}};
+    model.bodies[0].law = law;
+    Start start;
+    start.body = 0;
+    start.altitude = 10e3;
+    start.velocity = {100, 0, -200};
+    start.origin = Start::Origin::kStart;
+    models.push_back(place_start(model, start));
+    models.back().bodies[0].v_WB *= 1 + 0.0001 * i;
+  }
+  Fleet fleet(models, {});
+  ASSERT_TRUE(fleet.bundle);
+  int corners = 0;
+  for (int tick = 0; tick < 200; ++tick) {
+    ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+    for (std::size_t k = 0; k < models.size(); ++k) {
+      const auto alone = fleet.alone[k]->log.get_knots(), together = fleet.together[k]->log.get_knots();
+      ASSERT_EQ(alone.size(), together.size());
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        ASSERT_EQ(alone[i].corner, together[i].corner) << "run " << k << ", tick " << tick;
+        corners += alone[i].corner;
+      }
+    }
+  }
+  EXPECT_GT(corners, 4 * 5) << "knots of the law, its branch, of the mass, and of the wind";
+}
+
+// Conditions on commands: those of one run change while the others' stay.
+TEST(Bundle, RunsWhoseCommandsMakeEventsHaveTheBitsOfEachAlone) {
+  constexpr int kRuns = 5;
+  std::vector<Model> models;
+  for (int k = 0; k < kRuns; ++k) {
+    Model model;
+    model.name = "commanded";
+    model.bodies = {box("a", 3 + 0.1 * k, 1, 2, 3), box("b", 2, 1, 1, 1)};
+    model.bodies[0].w_WB_B = {0.1, 0.2, 0.3 * k};
+    model.bodies[1].p_WB = {1, 0, 0};
+    PointSpring& spring = model.point_springs.emplace_back();
+    spring.name = "spring";
+    spring.base = 0;
+    spring.follower = 1;
+    spring.stiffness = 50;
+    spring.free_length = 0.9;
+    Channel& channel = model.channels.emplace_back();
+    channel.name = "switch";
+    Event& event = model.events.emplace_back();
+    event.name = "off";
+    event.when = when(Condition::Kind::kCommand, 0, 0, 0.5);
+    event.repeat = true;
+    event.then.resize(1);
+    event.then[0].kind = Action::Kind::kSwitch;
+    models.push_back(model);
+  }
+  Fleet fleet(models, {});
+  ASSERT_TRUE(fleet.bundle);
+  int fired = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    for (int k = 0; k < kRuns; ++k)
+      for (Logged* run : {fleet.alone[at(k)].get(), fleet.together[at(k)].get()})
+        run->simulation.commands[0] = tick > 10 + 7 * k && tick < 40 ? 1 : 0;
+    ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+    for (const BundleRun& run : fleet.runs) fired += static_cast<int>(run.report.events.size());
+  }
+  EXPECT_EQ(fired, kRuns);
 }
 
 // A run that fails or ends does not disturb the others, and one whose state its owner replaces continues from there.

@@ -180,6 +180,31 @@ TEST(Laws, WithMoreCornersInAStepThanItMayBeSplitAtAreReported) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(s.advance().open.corners > 0, i == 1) << i;
 }
 
+// Twelve thrusts that tail off from an instant of their own, all in one step: it is split at eight of them.
+TEST(Laws, TablesOverTimeWithMoreCornersInAStepThanItMayBeSplitAtAreReported) {
+  constexpr int kThrusts = 12;
+  Model model = build_pushed({constant(0)});
+  double impulse = 0;
+  for (int i = 1; i <= kThrusts; ++i) {
+    Load& load = model.loads.emplace_back();
+    load.name = "thrust" + std::to_string(i);
+    load.frame = Load::Frame::kWorld;
+    load.profile.kind = Profile::Kind::kTable;
+    const double corner = 0.0101 + 0.0007 * i;
+    load.profile.times = {0, corner, 1};
+    load.profile.values = {1, 1, 0};
+    impulse += corner + (0.04 - corner) * 0.5 * (1 + (1 - 0.04) / (1 - corner));
+  }
+  Simulation s(model, {.dt = 0.01});
+  for (int i = 0; i < 4; ++i) {
+    const StepReport report = s.advance();
+    ASSERT_EQ(report.status, StepStatus::kOk);
+    EXPECT_EQ(report.open.corners > 0, i == 1) << i;
+  }
+  // Four corners lie within a sub-step, each of which bends a force by 1 N/s.
+  EXPECT_NEAR(s.state.bodies[0].v.x, impulse / 2, 4 * 0.5 * 0.003 * 0.003);
+}
+
 TEST(Laws, OfATableThatIsFinerThanTheStepSplitNothing) {
   std::vector<double> knots;
   for (int i = 0; i <= 1000; ++i) knots.push_back(0.001 * i);
