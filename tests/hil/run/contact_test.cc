@@ -108,6 +108,40 @@ TEST(Contacts, ARequirementOnAShortBlowHasTheValueOfTheTable) {
   }
 }
 
+// The second blow, which the thrust makes the greater one, comes after hundreds of ticks with nothing between the
+// shapes.
+TEST(Contacts, ARequirementHasTheGreatestForceOfTwoBlowsWithAFlightBetween) {
+  std::string text = build_blow("stiffness: 0.2 MN/m",
+                                "elements:\n"
+                                "  push: {type: thrust, body: ball, point: [0, 0, 0], direction: [1, 0, 0], "
+                                "profile: {constant: 5 N}}\n"
+                                "requirements:\n"
+                                "  - {id: force, contact: {name: blow}, at_most: 5 kN}\n"
+                                "  - {id: depth, contact: {name: blow, value: depth}, at_most: 1 m}\n"
+                                "  - {id: least, contact: {name: blow}, at_least: 1 N}\n"
+                                "  - {id: end, contact: {name: blow}, take: final, at_most: 1 N}\n");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("{name: face, box: {size: [2, 10, 10]}}",
+          "{group: face, box: {size: [2, 10, 10]}}, {group: face, box: {centre: [4, 0, 0], size: [2, 10, 10]}}");
+  replace("until: 0.2", "until: 0.6");
+  const AnalysedRun run(text);
+  const hil::ContactRecord contact = run.analysis.list_contacts().at(0);
+  ASSERT_EQ(contact.touches, 2);
+  // v² = v₀² + 2 a x with a = 2.5 m/s², over 0.3 m against it and 1 m along it; the way in the contact adds nothing.
+  const double first = std::sqrt(9 - 2 * 2.5 * 0.3), second = std::sqrt(first * first + 2 * 2.5 * 1);
+  constexpr double kThrust = 0.01;  // relative: the thrust goes on in the blow
+  EXPECT_NEAR(contact.peak_force, second * std::sqrt(2e5 * 2), kThrust * contact.peak_force);
+  EXPECT_NEAR(run.judge("force").value, contact.peak_force, 1e-9 * contact.peak_force);
+  EXPECT_NEAR(run.judge("force").time, contact.peak_time, kLocated);
+  EXPECT_NEAR(run.judge("depth").value, contact.depth, 1e-9 * contact.depth);
+  EXPECT_EQ(run.judge("least").value, 0);
+  EXPECT_EQ(run.judge("end").value, 0);
+  EXPECT_NEAR(run.judge("end").time, 0.6, 1e-9);
+}
+
 TEST(Contacts, TheAuditExplainsTheEnergyThatABlowTakes) {
   const AnalysedRun run(build_blow("stiffness: 0.2 MN/m, restitution: {coefficient: 0.5, speed: 3 m/s}"));
   const hil::EnergyBalance& energy = run.analysis.accuracy().get_energy();
