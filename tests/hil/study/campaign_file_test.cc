@@ -365,8 +365,10 @@ TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {
 
 // Expressions use a constant by its dimension: a value without its unit would make `5 * gap` no length.
 TEST_F(CampaignFileTest, AConstantKeepsItsUnit) {
-  std::ofstream(folder_ / "s.yaml") << "constants: {gap: 20 cm}\n"
-                                    << replaced(kGoodScenario, "free_length: 1", "free_length: 5 * gap");
+  const auto give = [&](const char* text) {
+    std::ofstream(folder_ / "s.yaml") << "constants: {gap: " << text << "}\n"
+                                      << replaced(kGoodScenario, "free_length: 1", "free_length: 5 * gap");
+  };
   std::ofstream(folder_ / "t.csv") << "gap\n0.25\n";
   const std::vector<std::pair<std::string, double>> plans{
       {"sampling: grid\nlevels: 2\nparameters:\n  gap: {path: constants.gap, uniform: {min: 100 mm, max: 300 mm}}\n",
@@ -377,6 +379,11 @@ TEST_F(CampaignFileTest, AConstantKeepsItsUnit) {
       {"sampling: csv\ntable: t.csv\nparameters:\n  gap: {path: constants.gap}\n", 0.25}};
   for (const auto& [text, gap] : plans) {
     SCOPED_TRACE(text);
+    const bool plain = text.find("0.1,") != std::string::npos || text.find("csv") != std::string::npos;
+    give("20 cm");
+    EXPECT_THAT(load_errors(text), plain ? HasSubstr("a plain number for 'constants.gap'") : HasSubstr(""));
+    EXPECT_EQ(load_errors(text).empty(), !plain);
+    give("0.2 m");
     ASSERT_EQ(load_errors(text), "");
     const Campaign campaign = load(text);
     const std::vector<double> inputs = draw_inputs(campaign, 0);

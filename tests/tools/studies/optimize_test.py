@@ -785,7 +785,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
     def test_no_design_of_a_scan_is_better_than_the_boosters_optimum(self):
         result = self.optimize_shipped("synthesis.yaml", "o", 300)
         levels = 5
-        names = {"nozzle": ("thrust", 3e3, 15e3), "opening": ("delay", 5e-3, 60e-3), "slide": ("stroke", 2e-3, 30e-3),
+        names = {"nozzle": ("thrust", "3 kN", "15 kN"), "opening": ("delay", "5 ms", "60 ms"), "slide": ("stroke", "2 mm", "30 mm"),
                  "unlike": ("spread", 0, 0.2)}
         problem = yaml.safe_load((SCENARIOS / "boosters/synthesis.yaml").read_text())
         (self.folder / "boosters/scan.yaml").write_text(yaml.safe_dump(
