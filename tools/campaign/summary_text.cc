@@ -27,7 +27,7 @@ std::string describe_number(const Json& value, const char* form) {
 std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
   if (!tolerance.contains("lower"))
-    return format("needs %lld samples", tolerance.at("samples_needed").get<long long>());
+    return "needs " + count(tolerance.at("samples_needed").get<std::int64_t>(), "sample");
   std::string text;
   if (!requirement.at("at_least").is_null())
     text = format("≥ %.5g", to_shown(requirement, tolerance.at("lower").get<double>()));
