@@ -69,6 +69,10 @@ void UnseenEngagements::find(const Force& force, const MotionWindow& window, con
   if (!(sign * first.value > 0 && sign * first.rate < 0)) return;
   const Depth last = calc(force, to, get_body(to, base), get_body(to, follower));
   if (!(sign * last.value > 0 && sign * last.rate > 0)) return;
+  // A cubic with these ends and slopes h r falls below its lower end by at most 4/27 h (|r0| + |r1|). Pushers that rest
+  // on what bolts still hold vibrate by rounding alone.
+  const double most = (to.time - from.time) * (std::abs(first.rate) + std::abs(last.rate));
+  if (std::min(sign * first.value, sign * last.value) > most) return;
   const auto lack = [&](double time) {
     return sign * calc(force, from, window.calc_body(base, time), window.calc_body(follower, time)).value;
   };

@@ -1,7 +1,7 @@
 // Pushers, stops and cords that engage and part again within a step, or the other way round: neither of both events
 // acts, since a step looks at its ends. Their depth within a step is that of the interpolated poses (motion_window.h):
-// it is searched where it rises at one end of a piece and falls at the other, or the other way round. Cost: two depths
-// for each such force and piece.
+// it is searched where it rises at one end of a piece and falls at the other, or the other way round, by rates that can
+// bring it so far. Cost: two depths for each such force and piece.
 #pragma once
 
 #include <cstddef>
