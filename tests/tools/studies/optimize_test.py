@@ -808,7 +808,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of the limits
 
     def test_no_design_of_a_scan_is_better_than_the_fairings_optimum(self):
-        result = self.optimize_shipped("synthesis.yaml", "o", 600, folder="fairing")
+        result = self.optimize_shipped("synthesis.yaml", "o", 1200, folder="fairing")
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
         # Over the whole range of the variables, finer near the soft springs and long strokes of the optimum.
