@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/run/analysis/straight_quantity.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"
@@ -12,7 +13,17 @@ namespace unlatch::hil {
 namespace {
 
 constexpr int kLastPart = 6, kMostEvaluations = 400;  // in an interval
+constexpr double kOffLine = 1e-9;                     // of the value's size: rounding of a straight line
 constexpr double kGain = 1e-7;  // what bounds may promise below the known, relative to the law's size
+
+// Whether a straight line goes on to this value.
+bool goes_on(const SampledCurve& curve, double time, double value) {
+  const std::span<const double> times = curve.get_times(), values = curve.get_values();
+  if (times.empty()) return true;
+  const std::size_t count = std::min<std::size_t>(times.size(), 2);
+  const double expected = count == 1 ? value : interpolate(times.last(2), values.last(2), time);
+  return std::abs(value - expected) <= kOffLine * std::max(1.0, std::abs(value));
+}
 
 }  // namespace
 
@@ -24,13 +35,18 @@ LawCurve::LawCurve(const Model& model, const Plan& plan, int law)
       const unlatch::Quantity& quantity = model.quantities[at(step.subject)];
       const bool is_known = std::ranges::any_of(read_, [&](const Read& read) { return read.quantity == step.subject; });
       if (quantity.kind == unlatch::Quantity::Kind::kLaw || is_known) continue;
-      read_.push_back({.quantity = step.subject, .curve = {}, .is_angle = get_unit(model, quantity) == "rad"});
+      read_.push_back({.quantity = step.subject,
+                       .curve = {},
+                       .is_angle = get_unit(model, quantity) == "rad",
+                       .traits = &get_traits(quantity.kind)});
     }
 }
 
 void LawCurve::add(double time, std::span<const double> quantities, std::span<const double> commands, bool begins) {
   for (const Read& read : read_)
-    begins = begins || (read.is_angle && std::abs(quantities[at(read.quantity)] - read.latest) > std::numbers::pi);
+    begins = begins || (read.is_angle && std::abs(quantities[at(read.quantity)] - read.latest) > std::numbers::pi) ||
+             (read.traits->holds && quantities[at(read.quantity)] != read.latest) ||
+             (is_straight(*read.traits) && !goes_on(read.curve, time, quantities[at(read.quantity)]));
   for (Read& read : read_) {
     read.latest = quantities[at(read.quantity)];
     read.curve.add(time, read.latest, begins);

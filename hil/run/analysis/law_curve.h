@@ -14,6 +14,7 @@
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/sampled_curve.h"
 #include "unlatch/model/law_courses.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 
@@ -46,6 +47,7 @@ class LawCurve {
     SampledCurve curve;
     double latest = 0;
     bool is_angle;  // goes on at the other end of its range
+    const QuantityTraits* traits = nullptr;
   };
   int law_;
   std::vector<int> behind_;

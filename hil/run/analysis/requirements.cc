@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/run/analysis/assemblies.h"
+#include "hil/run/analysis/straight_quantity.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/quantities.h"
@@ -49,13 +50,23 @@ const unlatch::Quantity* find_law(const Model& model, const Requirement& r) {
   return &model.quantities[at(quantity)];
 }
 
+// The quantity that it is on, itself or as a sensor measures it; none.
+std::optional<unlatch::Quantity> find_quantity(const Model& model, const Requirement& r) {
+  if (r.quantity == Measure::kQuantity) return model.quantities[at(r.a)];
+  if (r.quantity == Measure::kSensor) return get_quantity(model, model.sensors[at(r.a)]);
+  return std::nullopt;
+}
+
 // Joint whose reaction it is, itself, as a quantity or as a sensor has it; none.
 int find_reaction(const Model& model, const Requirement& r) {
   if (r.quantity == Measure::kReaction) return r.a;
-  if (r.quantity != Measure::kQuantity && r.quantity != Measure::kSensor) return kNone;
-  const bool is_quantity = r.quantity == Measure::kQuantity;
-  const unlatch::Quantity of = is_quantity ? model.quantities[at(r.a)] : get_quantity(model, model.sensors[at(r.a)]);
-  return get_traits(of.kind).of_reaction ? of.subject : kNone;
+  const std::optional<unlatch::Quantity> of = find_quantity(model, r);
+  return of && get_traits(of->kind).of_reaction ? of->subject : kNone;
+}
+
+bool goes_straight(const Model& model, const Requirement& r) {
+  const std::optional<unlatch::Quantity> of = r.received ? std::nullopt : find_quantity(model, r);
+  return of && is_straight(get_traits(of->kind));
 }
 
 // Change of a velocity at an event, relative to the largest of the assembly, beyond which it is a blow, not rounding.
@@ -117,6 +128,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& pla
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    track.straight = goes_straight(scenario.model, requirement);
     track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
     tracks_.push_back(std::move(track));
@@ -245,7 +257,7 @@ void RequirementMonitor::add_blow(Track& track, const MotionKnot& before, const 
 // Searches the latest interval. Before the first one, and where the search goes on from a knot after a gap, there is
 // none.
 void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
-  if (track.fresh) return;
+  if (track.fresh || track.straight) return;
   const Take take = track.requirement->take;
   if (track.law) {
     track.law->finish(takes_low(take) ? &track.low : nullptr, takes_high(take) ? &track.high : nullptr);
@@ -253,6 +265,11 @@ void RequirementMonitor::finish(Track& track, const MotionWindow& window) const 
   }
   track.low.finish([&](double time) { return calc_within(track, window, time); });
   track.high.finish([&](double time) { return -calc_within(track, window, time); });
+}
+
+void RequirementMonitor::take(Track& track, double time, double value) {
+  track.low.take(time, value);
+  track.high.take(time, -value);
 }
 
 // Of a law, whose values between the knots are those of what it reads there.
@@ -311,6 +328,17 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       track.last_time = to.time;
       track.has_last = true;
       if (track.phase == Phase::kOpen) add_to_law(track, begins, from, to, commands);
+      track.fresh = false;
+      continue;
+    }
+    if (track.straight) {
+      track.last = calc_at(track, to);
+      track.last_time = to.time;
+      track.has_last = true;
+      if (track.phase == Phase::kOpen) {
+        if (begins) take(track, from.time, start);
+        take(track, to.time, track.last);
+      }
       track.fresh = false;
       continue;
     }

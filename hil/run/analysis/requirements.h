@@ -69,6 +69,7 @@ class RequirementMonitor {
     Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
     std::optional<LawCurve> law;  // instead, of a quantity that is a law
+    bool straight = false;        // a straight line between events: its extremes are at knots
     bool has_last = false, fresh = true;
     bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
     bool apart = false;  // the latest piece had its contact open, so that it had no force and no depth
@@ -83,6 +84,7 @@ class RequirementMonitor {
   [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;
   [[nodiscard]] double calc_within(const Track& track, const MotionWindow& window, double time) const;
   void finish(Track& track, const MotionWindow& window) const;
+  static void take(Track& track, double time, double value);
   void add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
                   std::span<const double> commands) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;

@@ -35,6 +35,36 @@ requirements:
 
 double get_y(double time) { return 0.3 - time + 0.8 * time * time; }
 
+// A signal that is raised within a step, near its end: a polynomial through its knots would go far beyond 0 and 1.
+AnalysedRun raise(const std::string& quantity, const std::string& limit) {
+  return AnalysedRun(R"(unlatch: 1
+name: raise
+step: {dt: 10 ms, until: 1}
+bodies:
+  b: {mass: 10, inertia: [1, 1, 1], velocity: [1, 0, 0]}
+signals: [s]
+quantities:
+  q: {)" + quantity + R"(}
+  sig: {signal: s}
+events:
+  - {name: e, when: {time: 0.4199}, then: [{raise: s}]}
+requirements:
+  - {id: r, quantity: q, )" +
+                     limit + "}\n");
+}
+
+TEST(LawCurve, ASignalRaisedWithinAStepIsZeroOrOne) {
+  EXPECT_EQ(raise("signal: s", "at_most: 1").judge("r").value, 1);
+  EXPECT_EQ(raise("signal: s", "at_least: 0").judge("r").value, 0);
+  EXPECT_EQ(raise("expression: 3 * sig", "at_most: 3").judge("r").value, 3);
+  EXPECT_EQ(raise("expression: 3 * sig", "at_least: 0").judge("r").value, 0);
+}
+
+TEST(LawCurve, TheTimeSinceAnEventIsNeverNegative) {
+  EXPECT_GE(raise("since: e", "at_least: 0").judge("r").value, 0);
+  EXPECT_NEAR(raise("since: e", "at_most: 1").judge("r").value, 1 - 0.4199, 1e-12);
+}
+
 TEST(LawCurve, ASizeThatComesToZeroWithinAStepIsZero) {
   const hil::Verdict least = fly("abs(x) / (1 m)", "at_least: 0").judge("r");
   EXPECT_NEAR(least.value, 0, kExact);
