@@ -95,15 +95,22 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   json["estimate"] = calc_estimate(failed, unresolved, count);
   json["probability"] = to_json(calc_bounds(failed, unresolved, count));
   std::vector<double> values = data.read_column(data.find_column(id));
-  for (std::size_t row = 0; row < values.size(); ++row)
-    if (data.table->get_status(row) == hil::SampleStatus::kUnresolved) values[row] = std::nan("");
+  std::int64_t without_value = 0;
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    if (data.table->get_status(row) == hil::SampleStatus::kDone) continue;
+    values[row] = std::nan("");
+    ++without_value;
+  }
   const std::vector<double> sorted = sort_present(values);
   add_quantiles(sorted, json);
+  // Samples that faulted or are unresolved are no chance choice: the others say nothing of all runs.
+  if (without_value > 0) json["intervals"] = Json::object();
   // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
   constexpr double kCoverage = 0.99;
   const std::int64_t rank = hil::calc_wilks_rank(static_cast<std::int64_t>(sorted.size()), kCoverage);
-  json["tolerance"] = {{"coverage", kCoverage}, {"samples_needed", hil::calc_wilks_trials(kCoverage)}};
-  if (rank > 0) {
+  json["tolerance"] = {
+      {"coverage", kCoverage}, {"samples_needed", hil::calc_wilks_trials(kCoverage)}, {"without_value", without_value}};
+  if (rank > 0 && without_value == 0) {
     json["tolerance"]["lower"] = sorted[static_cast<std::size_t>(rank - 1)];
     json["tolerance"]["upper"] = sorted[sorted.size() - static_cast<std::size_t>(rank)];
   }

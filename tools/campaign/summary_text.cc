@@ -26,6 +26,8 @@ std::string describe_number(const Json& value, const char* form) {
 // Tolerance limits on each side on which the requirement has a limit.
 std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
+  if (tolerance.at("without_value") > 0)
+    return "none: " + count(tolerance.at("without_value").get<std::int64_t>(), "sample") + " without a value";
   if (!tolerance.contains("lower"))
     return "needs " + count(tolerance.at("samples_needed").get<std::int64_t>(), "sample");
   std::string text;

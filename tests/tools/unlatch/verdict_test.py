@@ -407,6 +407,10 @@ bodies: {box: {mass: 1, inertia: [1, 1, 1], position: [side, twice + 1 mm, 0]}}
         self.assertEqual(summary["any_requirement"]["failed"], 0)
         self.assertGreater(summary["any_requirement"]["probability"][1], len(unresolved) / 8)
         self.assertIn("unresolved: ", text)
+        # The resolved ones are no chance choice: nothing is said of all runs but the bounds of the probability.
+        self.assertEqual(summary["requirements"][0]["intervals"], {})
+        self.assertEqual(summary["requirements"][0]["tolerance"]["without_value"], len(unresolved))
+        self.assertRegex(text, rf"none: {len(unresolved)} samples? without a value\n")
         page = self.folder / "page.html"
         self.run_ok(UNLATCH, "campaign", "report", out, "--out", page, "--flights", "0")
         browser = Browser()

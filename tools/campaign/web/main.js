@@ -38,6 +38,7 @@ const countBad = (n) => make('span', n, { class: n > 0 ? 'bad' : '' });
 
 // Tolerance limit of the side that has a limit: 99 % of all runs are beyond it, with 95 % confidence (Wilks).
 function toleranceOf(r) {
+  if (r.tolerance.without_value > 0) return `none: ${r.tolerance.without_value} without a value`;
   if (r.tolerance.lower === undefined) return `needs ${r.tolerance.samples_needed} values`;
   return [r.at_least !== null ? `≥ ${valueOf(r, r.tolerance.lower)}` : '', r.at_most !== null ? `≤ ${valueOf(r, r.tolerance.upper)}` : ''].filter(Boolean).join(', ');
 }
