@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 using Kind = hil::ResultColumn::Kind;
 
 const char* get_kind_name(Kind kind) {
-  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance", "clearance_time",
-                                       "released",    "tip_off", "separation", "peak",      "contact",
-                                       "output",      "curve",   "step",       "step_error"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kStepError) + 1);
+  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance",  "clearance_time",
+                                       "released",    "tip_off", "separation", "peak",       "contact",
+                                       "output",      "curve",   "step",       "step_error", "without_blow"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kWithoutBlow) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -106,6 +106,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"fingerprint", to_hex(get_shape(campaign, evaluator).fingerprint)},
                    {"samples", campaign.plan.samples},
                    {"seed", campaign.plan.seed},
+                   {"levels", campaign.plan.levels},
                    {"sampling", hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)]},
                    {"campaign_file", campaign.file},
                    {"campaign_text", campaign.text},
@@ -214,7 +215,7 @@ std::optional<hil::RareFailure> CampaignData::get_failure() const {
 std::vector<double> CampaignData::read_failure_margins(const hil::RareFailure& failure) const {
   std::vector<double> margins = read_column(failure.column_index);
   for (std::size_t row = 0; row < rows; ++row)
-    margins[row] = calc_failure_margin(failure, table->get_status(row), margins[row]);
+    margins[row] = calc_failure_margin(failure, get_status(row), margins[row]);
   return margins;
 }
 
@@ -224,10 +225,51 @@ CampaignData CampaignData::get_drawn() const {
   return drawn;
 }
 
-std::vector<double> CampaignData::read_input(std::size_t input) const { return table->read_column(input, rows); }
+hil::Sampling CampaignData::get_sampling() const {
+  const auto name = std::ranges::find(hil::kSamplingNames, manifest.at("sampling").get<std::string>());
+  if (name == hil::kSamplingNames.end()) throw hil::ResultError("the manifest's key `sampling` is not of a campaign");
+  return static_cast<hil::Sampling>(name - hil::kSamplingNames.begin());
+}
+
+std::optional<CampaignData> CampaignData::get_population() const {
+  const hil::SampleBasis basis = hil::get_basis(get_sampling());
+  if (basis == hil::SampleBasis::kChosen) return std::nullopt;
+  CampaignData drawn = get_drawn();
+  if (basis != hil::SampleBasis::kBaseRows) return drawn;
+  std::int64_t block = hil::kBaseRowsEach;
+  for (const Json& parameter : manifest.at("parameters")) block += parameter.at("axes").get<std::int64_t>();
+  std::vector<std::size_t> kept;
+  for (std::size_t row = 0; row < drawn.rows; ++row)
+    if (drawn.get_sample(row) % block < hil::kBaseRowsEach) kept.push_back(row);
+  drawn.rows = kept.size();
+  drawn.places = std::make_shared<const std::vector<std::size_t>>(std::move(kept));
+  return drawn;
+}
+
+namespace {
+
+std::vector<double> pick_rows(const CampaignData& data, std::size_t number) {
+  if (!data.places) return data.table->read_column(number, data.rows);
+  const std::vector<double> all = data.table->read_column(number, data.table->size());
+  std::vector<double> kept;
+  kept.reserve(data.rows);
+  for (const std::size_t place : *data.places) kept.push_back(all[place]);
+  return kept;
+}
+
+}  // namespace
+
+std::vector<double> CampaignData::read_input(std::size_t input) const { return pick_rows(*this, input); }
 
 std::vector<double> CampaignData::read_column(std::size_t column) const {
-  return table->read_column(table->shape().inputs + column, rows);
+  return pick_rows(*this, table->shape().inputs + column);
+}
+
+std::vector<double> CampaignData::read_results(std::size_t column) const {
+  std::vector<double> values = read_column(column);
+  for (std::size_t row = 0; row < rows; ++row)
+    if (get_status(row) != hil::SampleStatus::kDone) values[row] = std::nan("");
+  return values;
 }
 
 std::size_t CampaignData::find_column(const std::string& name) const {

@@ -10,6 +10,7 @@
 
 #include "hil/study/campaign/samples/rare_failure.h"
 #include "hil/study/campaign/samples/result_table.h"
+#include "hil/study/sampling/sampling.h"
 
 namespace unlatch::tools {
 
@@ -29,6 +30,12 @@ struct CampaignData {
   Json manifest;
   std::shared_ptr<const hil::ResultTable> table;
   std::size_t rows = 0;  // of the table
+  // The places of the rows in the table; nothing: the first ones.
+  std::shared_ptr<const std::vector<std::size_t>> places{};
+
+  [[nodiscard]] std::size_t get_place(std::size_t row) const { return places ? (*places)[row] : row; }
+  [[nodiscard]] std::int64_t get_sample(std::size_t row) const { return table->get_sample(get_place(row)); }
+  [[nodiscard]] hil::SampleStatus get_status(std::size_t row) const { return table->get_status(get_place(row)); }
 
   // The failure that subset sampling looks for, and the margin of each row. Nothing: other sampling.
   [[nodiscard]] std::optional<hil::RareFailure> get_failure() const;
@@ -36,9 +43,15 @@ struct CampaignData {
   // The rows whose inputs are distributed as the file says, for statistics: all, but of subset sampling those of the
   // first level.
   [[nodiscard]] CampaignData get_drawn() const;
+  [[nodiscard]] hil::Sampling get_sampling() const;
+  // The rows that are draws from the distributions, for probabilities, quantiles and tolerance limits: of saltelli the
+  // first two of each block. Nothing: the samples are chosen points (hil/study/sampling/sampling.h).
+  [[nodiscard]] std::optional<CampaignData> get_population() const;
 
   [[nodiscard]] std::vector<double> read_input(std::size_t input) const;
   [[nodiscard]] std::vector<double> read_column(std::size_t column) const;
+  // The same without the values of samples that faulted or are unresolved, which are no results: NaN.
+  [[nodiscard]] std::vector<double> read_results(std::size_t column) const;
   [[nodiscard]] std::size_t find_column(const std::string& name) const;  // throws std::out_of_range
   // Columns before the points of curves, which are the last ones.
   [[nodiscard]] std::size_t count_plain_columns() const;

@@ -76,9 +76,9 @@ Json list_orders(const CampaignData& data) {
   std::map<std::string, Class> classes;
   std::vector<double> values(orders.get_count());
   for (std::size_t row = 0; row < data.rows; ++row) {
-    data.table->read_numbers(row, data.table->shape().inputs + orders.get_first(), values);
+    data.table->read_numbers(data.get_place(row), data.table->shape().inputs + orders.get_first(), values);
     Class& own = classes[orders.encode(values)];
-    if (own.samples++ == 0) own.first = data.table->get_sample(row);
+    if (own.samples++ == 0) own.first = data.get_sample(row);
   }
   std::vector<const std::pair<const std::string, Class>*> sorted;
   for (const auto& one : classes) sorted.push_back(&one);

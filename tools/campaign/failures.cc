@@ -35,75 +35,53 @@ Json calc_estimate(std::int64_t failed, std::int64_t unresolved, std::int64_t co
 
 }  // namespace
 
-Json describe_any_failure(const CampaignData& data) {
+namespace {
+
+struct Counts {
+  std::int64_t failed = 0, unjudged = 0, unresolved = 0, samples = 0;
+};
+
+void describe_probability(const Counts& counts, Json& json) {
+  json["estimate"] = calc_estimate(counts.failed, counts.unresolved, counts.samples);
+  json["probability"] = to_json(calc_bounds(counts.failed, counts.unresolved, counts.samples));
+}
+
+Counts count_any(const CampaignData& data) {
   std::vector<std::vector<double>> margins;
   for (const Json& requirement : data.manifest.at("requirements"))
     margins.push_back(data.read_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
-  std::int64_t failed = 0, unresolved = 0;
+  Counts counts{0, 0, 0, static_cast<std::int64_t>(data.rows)};
   for (std::size_t row = 0; row < data.rows; ++row) {
-    const hil::SampleStatus status = data.table->get_status(row);
+    const hil::SampleStatus status = data.get_status(row);
     if (status == hil::SampleStatus::kUnresolved) {
-      ++unresolved;
+      ++counts.unresolved;
       continue;
     }
-    failed += std::ranges::any_of(margins, [&](const auto& column) { return fails(status, column[row]); }) ? 1 : 0;
-  }
-  const auto count = static_cast<std::int64_t>(data.rows);
-  Json json = {{"failed", failed}, {"unresolved", unresolved}};
-  json["estimate"] = calc_estimate(failed, unresolved, count);
-  json["probability"] = to_json(calc_bounds(failed, unresolved, count));
-  return json;
-}
-
-Json list_unresolved(const CampaignData& data) {
-  Json samples = Json::array();
-  for (std::size_t row = 0; row < data.rows; ++row)
-    if (data.table->get_status(row) == hil::SampleStatus::kUnresolved) samples.push_back(data.table->get_sample(row));
-  return samples;
-}
-
-Json count_blows(const CampaignData& data) {
-  std::vector<std::string> ids;
-  for (const Json& requirement : data.manifest.at("requirements"))
-    ids.push_back(requirement.at("id").get<std::string>());
-  Json counts = Json::object();
-  for (std::size_t row = 0; row < data.rows && !ids.empty(); ++row) {
-    if (data.table->get_status(row) != hil::SampleStatus::kDone) continue;
-    for (const std::string& id : hil::list_blows(data.table->read(row).result.message, ids))
-      counts[id] = counts.value(id, 0) + 1;
+    counts.failed +=
+        std::ranges::any_of(margins, [&](const auto& column) { return fails(status, column[row]); }) ? 1 : 0;
   }
   return counts;
 }
 
-Json describe_requirement(const CampaignData& data, const Json& requirement) {
-  const std::string id = requirement.at("id");
-  const std::vector<double> margins = data.read_column(data.find_column(id + ".margin"));
-  std::int64_t failed = 0, unjudged = 0, unresolved = 0;
-  for (std::size_t i = 0; i < margins.size(); ++i) {
-    if (data.table->get_status(i) == hil::SampleStatus::kUnresolved) {
-      ++unresolved;
+Counts count_failures(const CampaignData& data, const std::vector<double>& margins) {
+  Counts counts{0, 0, 0, static_cast<std::int64_t>(data.rows)};
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    if (data.get_status(row) == hil::SampleStatus::kUnresolved) {
+      ++counts.unresolved;
       continue;
     }
-    failed += fails(data.table->get_status(i), margins[i]) ? 1 : 0;
-    unjudged += std::isnan(margins[i]) ? 1 : 0;
+    counts.failed += fails(data.get_status(row), margins[row]) ? 1 : 0;
+    counts.unjudged += std::isnan(margins[row]) ? 1 : 0;
   }
-  const auto count = static_cast<std::int64_t>(margins.size());
-  Json json = requirement;
-  json["failed"] = failed;
-  json["not_evaluated"] = unjudged;  // counted as failed
-  json["unresolved"] = unresolved;   // neither met nor missed: the bounds hold whatever they are
-  json["estimate"] = calc_estimate(failed, unresolved, count);
-  json["probability"] = to_json(calc_bounds(failed, unresolved, count));
-  std::vector<double> values = data.read_column(data.find_column(id));
-  std::int64_t without_value = 0;
-  for (std::size_t row = 0; row < values.size(); ++row) {
-    if (data.table->get_status(row) == hil::SampleStatus::kDone) continue;
-    values[row] = std::nan("");
-    ++without_value;
-  }
+  return counts;
+}
+
+// Quantiles and tolerance limits of the values of draws.
+void describe_values(const std::vector<double>& values, Json& json) {
   const std::vector<double> sorted = sort_present(values);
   add_quantiles(sorted, json);
-  // Samples that faulted or are unresolved are no chance choice: the others say nothing of all runs.
+  const std::size_t without_value = values.size() - sorted.size();
+  // Samples without a value are no chance choice: the others say nothing of all runs.
   if (without_value > 0) json["intervals"] = Json::object();
   // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
   constexpr double kCoverage = 0.99;
@@ -114,28 +92,88 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
     json["tolerance"]["lower"] = sorted[static_cast<std::size_t>(rank - 1)];
     json["tolerance"]["upper"] = sorted[sorted.size() - static_cast<std::size_t>(rank)];
   }
-  // Convergence: bounds of the probability after the first samples.
-  json["convergence"] = Json::array();
+}
+
+// Estimate and bounds of the probability after the first samples.
+Json list_convergence(const CampaignData& data, const std::vector<double>& margins) {
+  Json list = Json::array();
   std::int64_t hits = 0, open = 0;
   double next = 10;
+  const auto count = static_cast<std::int64_t>(data.rows);
   for (std::int64_t i = 0; i < count; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    const bool resolved = data.table->get_status(row) != hil::SampleStatus::kUnresolved;
+    const bool resolved = data.get_status(row) != hil::SampleStatus::kUnresolved;
     open += resolved ? 0 : 1;
-    hits += resolved && fails(data.table->get_status(row), margins[row]) ? 1 : 0;
+    hits += resolved && fails(data.get_status(row), margins[row]) ? 1 : 0;
     if (static_cast<double>(i + 1) < next && i + 1 < count) continue;
     const hil::Interval bounds = calc_bounds(hits, open, i + 1);
-    json["convergence"].push_back(
-        {i + 1, static_cast<double>(hits) / static_cast<double>(i + 1), bounds.low, bounds.high});
+    list.push_back({i + 1, calc_estimate(hits, open, i + 1), bounds.low, bounds.high});
     next *= 1.25;
   }
+  return list;
+}
+
+}  // namespace
+
+Json describe_any_failure(const CampaignData& data, const std::optional<CampaignData>& population) {
+  const Counts counts = count_any(data);
+  Json json = {
+      {"failed", counts.failed}, {"unresolved", counts.unresolved}, {"estimate", nullptr}, {"probability", nullptr}};
+  if (population) describe_probability(count_any(*population), json);
+  return json;
+}
+
+Json list_unresolved(const CampaignData& data) {
+  Json samples = Json::array();
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.get_status(row) == hil::SampleStatus::kUnresolved) samples.push_back(data.get_sample(row));
+  return samples;
+}
+
+Json count_blows(const CampaignData& data) {
+  Json counts = Json::object();
+  const Json& columns = data.manifest.at("columns");
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    if (columns[column].at("kind") != "without_blow") continue;
+    const std::vector<double> times = data.read_results(column);
+    const auto number = std::ranges::count_if(times, [](double time) { return !std::isnan(time); });
+    const std::string name = columns[column].at("name");
+    if (number > 0) counts[name.substr(0, name.rfind('.'))] = number;
+  }
+  return counts;
+}
+
+Json describe_requirement(const CampaignData& data, const std::optional<CampaignData>& population,
+                          const Json& requirement) {
+  const std::string id = requirement.at("id");
+  const std::size_t margin = data.find_column(id + ".margin"), value = data.find_column(id);
+  const Counts counts = count_failures(data, data.read_column(margin));
+  Json json = requirement;
+  json["failed"] = counts.failed;
+  json["not_evaluated"] = counts.unjudged;  // counted as failed
+  json["unresolved"] = counts.unresolved;   // neither met nor missed: the bounds hold whatever they are
+  const std::vector<double> sorted = sort_present(data.read_results(value));
+  json["min"] = sorted.empty() ? Json(nullptr) : to_json(sorted.front());
+  json["max"] = sorted.empty() ? Json(nullptr) : to_json(sorted.back());
+  json["estimate"] = nullptr;
+  json["probability"] = nullptr;
+  json["convergence"] = Json::array();
+  if (!population) {
+    add_no_quantiles(json);
+    json["tolerance"] = nullptr;
+    return json;
+  }
+  const std::vector<double> margins = population->read_column(margin);
+  describe_probability(count_failures(*population, margins), json);
+  describe_values(population->read_results(value), json);
+  json["convergence"] = list_convergence(*population, margins);
   return json;
 }
 
 Json list_worst(const CampaignData& data) {
   std::vector<double> least(data.rows);
   for (std::size_t row = 0; row < data.rows; ++row)
-    least[row] = data.table->get_status(row) == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL;
+    least[row] = data.get_status(row) == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL;
   const auto take = [&](const std::vector<double>& margins) {
     const std::vector<double> sorted = sort_present(margins);
     const double spread = hil::calc_quantile(sorted, 0.9) - hil::calc_quantile(sorted, 0.1);
@@ -153,7 +191,7 @@ Json list_worst(const CampaignData& data) {
   std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count), {},
                             [&](std::size_t row) { return std::pair(least[row], row); });
   Json worst = Json::array();
-  for (std::size_t i = 0; i < count; ++i) worst.push_back(data.table->get_sample(order[i]));
+  for (std::size_t i = 0; i < count; ++i) worst.push_back(data.get_sample(order[i]));
   return worst;
 }
 
@@ -167,8 +205,8 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   const std::vector<double> margins = data.read_failure_margins(failure);
   std::int64_t unresolved = 0;
   for (std::size_t row = 0; row < data.rows; ++row) {
-    subset.note(data.table->get_sample(row), margins[row]);
-    const bool open = data.table->get_status(row) == hil::SampleStatus::kUnresolved;
+    subset.note(data.get_sample(row), margins[row]);
+    const bool open = data.get_status(row) == hil::SampleStatus::kUnresolved;
     unresolved += open ? 1 : 0;
     failed += !open && margins[row] < 0 ? 1 : 0;
   }

@@ -1,15 +1,19 @@
 // Failures of a campaign's samples: their probability, and the worst samples.
 #pragma once
 
+#include <optional>
+
 #include "tools/campaign/campaign_data.h"
 
 namespace unlatch::tools {
 
 // Failures of a requirement, bounds of their probability and its convergence; quantiles and tolerance limits of its
-// value.
-Json describe_requirement(const CampaignData& data, const Json& requirement);
+// value. `population`: the rows that are draws, of which probabilities, quantiles and limits are; nothing: there are
+// none of them, null.
+Json describe_requirement(const CampaignData& data, const std::optional<CampaignData>& population,
+                          const Json& requirement);
 // Failures of any requirement, and bounds of their probability.
-Json describe_any_failure(const CampaignData& data);
+Json describe_any_failure(const CampaignData& data, const std::optional<CampaignData>& population);
 // How many of the samples have values of requirements on reactions that leave out the impulse of a blow: by the
 // requirements' names; those without such a sample are left out.
 Json count_blows(const CampaignData& data);

@@ -21,7 +21,7 @@ std::vector<std::size_t> choose_rows(const CampaignData& data, const Json& worst
   for (const Json& sample : worst) kept.insert(sample.get<std::int64_t>());
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < data.rows; ++i)
-    if (i % every == 0 || kept.contains(data.table->get_sample(i))) places.push_back(i);
+    if (i % every == 0 || kept.contains(data.get_sample(i))) places.push_back(i);
   return places;
 }
 
@@ -61,17 +61,19 @@ std::string build_campaign_page(const CampaignData& data, const Json& summary, c
   Json document = {
       {"summary", summary}, {"manifest", data.manifest}, {"every", every}, {"folder", folder}, {"flights", flights}};
   document["samples"] = Json::array();
-  for (const std::size_t i : places) document["samples"].push_back(data.table->get_sample(i));
-  const std::size_t drawn = data.get_drawn().rows;
-  const auto add = [&](std::vector<double> values, const char* samples, const char* distributions) {
-    document[samples].push_back(pick(values, places));
-    values.resize(drawn);
-    document[distributions].push_back(describe_distribution(std::move(values)));
-  };
-  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k)
-    add(data.read_input(k), "inputs", "input_distributions");
-  for (std::size_t k = 0; k < data.count_plain_columns(); ++k)
-    add(data.read_column(k), "columns", "column_distributions");
+  for (const std::size_t i : places) document["samples"].push_back(data.get_sample(i));
+  document["unresolved"] = Json::array();  // places in the list of samples
+  for (std::size_t k = 0; k < places.size(); ++k)
+    if (data.get_status(places[k]) == hil::SampleStatus::kUnresolved) document["unresolved"].push_back(k);
+  const CampaignData drawn = data.get_population().value_or(data);
+  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
+    document["inputs"].push_back(pick(data.read_input(k), places));
+    document["input_distributions"].push_back(describe_distribution(drawn.read_input(k)));
+  }
+  for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
+    document["columns"].push_back(pick(data.read_column(k), places));
+    document["column_distributions"].push_back(describe_distribution(drawn.read_results(k)));
+  }
   return build_page(UNLATCH_EMBEDDED_PAGE(unlatch_campaign_page), document);
 }
 

@@ -27,16 +27,15 @@ std::string judge(const Json& requirement) {
 }
 
 Row head_requirements() {
-  Row row{"requirement", "text",    "unit",       "at least",    "at most",   "verdict",
-          "failed",      "missing", "unresolved", "probability", "bound low", "bound high"};
+  Row row{"requirement", "text",       "unit",        "at least",  "at most",    "verdict", "failed",
+          "missing",     "unresolved", "probability", "bound low", "bound high", "least",   "greatest"};
   for (const char* p : kQuantiles) row.push_back("quantile " + std::string(p));
   row.insert(row.end(), {"99 % are above", "99 % are below"});
   return row;
 }
 
-Row build_requirement(const Json& one, const Json& samples, const char* form) {
+Row build_requirement(const Json& one, const char* form) {
   const Json& bounds = one.at("probability");
-  const auto judged = samples.get<double>() - one.at("unresolved").get<double>();
   Row row{one.at("id"),
           one.at("text"),
           get_shown_unit(one),
@@ -46,13 +45,16 @@ Row build_requirement(const Json& one, const Json& samples, const char* form) {
           std::to_string(one.at("failed").get<long long>()),
           std::to_string(one.at("not_evaluated").get<long long>()),
           std::to_string(one.at("unresolved").get<long long>()),
-          judged > 0 ? format(form, one.at("failed").get<double>() / judged) : std::string(),
-          show(bounds[0], form),
-          show(bounds[1], form)};
+          show(one.at("estimate"), form),
+          bounds.is_null() ? std::string() : show(bounds[0], form),
+          bounds.is_null() ? std::string() : show(bounds[1], form),
+          show(one, one.at("min"), form),
+          show(one, one.at("max"), form)};
   for (const char* p : kQuantiles) row.push_back(show(one, one.at("quantiles").at(p), form));
   const Json& tolerance = one.at("tolerance");
   for (const char* side : {"lower", "upper"})
-    row.push_back(tolerance.contains(side) ? show(one, tolerance.at(side), form) : std::string());
+    row.push_back(tolerance.is_object() && tolerance.contains(side) ? show(one, tolerance.at(side), form)
+                                                                    : std::string());
   return row;
 }
 
@@ -65,15 +67,16 @@ Row build_any(const Json& any, const char* form) {
   row[6] = std::to_string(any.at("failed").get<long long>());
   row[8] = std::to_string(any.at("unresolved").get<long long>());
   row[9] = show(any.at("estimate"), form);
-  row[10] = show(any.at("probability")[0], form);
-  row[11] = show(any.at("probability")[1], form);
+  const Json& bounds = any.at("probability");
+  if (bounds.is_null()) return row;
+  row[10] = show(bounds[0], form);
+  row[11] = show(bounds[1], form);
   return row;
 }
 
 std::vector<Row> build_rows(const Json& summary, const char* form) {
   std::vector<Row> rows{head_requirements()};
-  const Json& drawn = summary.contains("drawn") ? summary.at("drawn") : summary.at("samples");
-  for (const Json& one : summary.at("requirements")) rows.push_back(build_requirement(one, drawn, form));
+  for (const Json& one : summary.at("requirements")) rows.push_back(build_requirement(one, form));
   if (summary.contains("any_requirement")) rows.push_back(build_any(summary.at("any_requirement"), form));
   return rows;
 }
@@ -123,10 +126,16 @@ std::string write_review(const Json& summary) {
                      summary.at("hash").get<std::string>() + ".";
   for (const auto& [name, number] : summary.at("statuses").items())
     if (number > 0) text += " " + std::to_string(number.get<long long>()) + " " + name + ".";
+  text += "\n\n## Requirements\n\n";
+  if (const Json& basis = summary.at("basis"); !basis.at("text").get<std::string>().empty())
+    text +=
+        "Sampling " + basis.at("sampling").get<std::string>() + ": " + basis.at("text").get<std::string>() + ".\n\n";
+  if (!summary.at("basis").at("draws").is_null())
+    text +=
+        "Bounds of probabilities: Clopper-Pearson, 95 %. Limits that 99 % of all runs keep to: Wilks, with 95 % "
+        "confidence. ";
   text +=
-      "\n\n## Requirements\n\nBounds of probabilities: Clopper-Pearson, 95 %. Limits that 99 % of all runs keep to: "
-      "Wilks, with 95 % "
-      "confidence. An unresolved sample depends on something that the step does not resolve: it is neither met nor "
+      "An unresolved sample depends on something that the step does not resolve: it is neither met nor "
       "missed, and the bounds hold whatever it is.\n\n";
   text += to_markdown(build_rows(summary, "%.5g"));
   if (!summary.contains("inputs")) return text;

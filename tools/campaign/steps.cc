@@ -14,7 +14,7 @@ Json describe_steps(const CampaignData& data) {
   double largest = 0;
   Json again = Json::array();
   for (std::size_t row = 0; row < data.rows; ++row) {
-    if (steps[row] < step.at("step").get<double>()) again.push_back(data.table->get_sample(row));
+    if (steps[row] < step.at("step").get<double>()) again.push_back(data.get_sample(row));
     if (std::isnan(errors[row])) continue;
     ++checked;
     largest = std::max(largest, errors[row]);

@@ -1,9 +1,11 @@
 #include "tools/campaign/summary.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "hil/study/sampling/sampling.h"
 #include "hil/study/statistics/statistics.h"
 #include "tools/campaign/column_statistics.h"
 #include "tools/campaign/event_orders.h"
@@ -20,7 +22,7 @@ Json build_summary(const CampaignData& all) {
   for (const std::string& name : hil::kSampleStatusNames) statuses[name] = 0;
   statuses.erase("interrupted");
   for (std::size_t row = 0; row < all.rows; ++row) {
-    Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(all.table->get_status(row))]];
+    Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(all.get_status(row))]];
     count = count.get<std::int64_t>() + 1;
   }
   Json summary = {{"schema", 1},
@@ -39,31 +41,45 @@ Json build_summary(const CampaignData& all) {
     summary["drawn"] = data.rows;
     summary["rare"] = describe_rare(all, *failure);
   }
+  const std::optional<CampaignData> population = all.get_population();
+  const hil::Sampling sampling = all.get_sampling();
+  summary["basis"] = {{"sampling", data.manifest.at("sampling")},
+                      {"independent", hil::get_basis(sampling) == hil::SampleBasis::kIndependent},
+                      {"draws", population ? Json(population->rows) : Json(nullptr)},
+                      {"text", hil::describe_basis(sampling)}};
   const Json blows = count_blows(data);
   for (const Json& requirement : data.manifest.at("requirements")) {
-    Json described = describe_requirement(data, requirement);
+    Json described = describe_requirement(data, population, requirement);
     const std::string id = requirement.at("id");
     if (blows.contains(id)) described["without_blow"] = blows.at(id);
     summary["requirements"].push_back(std::move(described));
   }
-  if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data);
+  if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data, population);
   summary["unresolved"] = list_unresolved(all);
   summary["orders"] = list_orders(data);
+  // Of saltelli the base rows; of chosen points all of them, without quantiles.
+  const CampaignData& described = population ? *population : data;
+  const bool drawn = population.has_value();
+  bool all_done = true;
+  for (std::size_t row = 0; row < described.rows; ++row)
+    all_done = all_done && described.get_status(row) == hil::SampleStatus::kDone;
   hil::RankedVariables ranked;
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
-    const std::vector<double> values = data.read_input(k);
+    const std::vector<double> values = described.read_input(k);
     ranked.add(values);
-    summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values));
+    summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values, drawn));
   }
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
-    const std::vector<double> values = data.read_column(k);
-    Json column = describe_column(data.manifest.at("columns")[k], values);
+    const std::vector<double> values = described.read_results(k);
+    Json column = describe_column(data.manifest.at("columns")[k], values, drawn);
+    if (!all_done) column["intervals"] = Json::object();  // the others are no chance choice
     column["kind"] = data.manifest.at("columns")[k].at("kind");
-    column["sensitivity"] = describe_sensitivity(data, ranked, values);
+    column["sensitivity"] = describe_sensitivity(data, ranked, values, k);
     summary["columns"].push_back(std::move(column));
   }
   if (data.manifest.contains("curves"))
-    for (const Json& curve : data.manifest.at("curves")) summary["curves"].push_back(describe_curve(data, curve));
+    for (const Json& curve : data.manifest.at("curves"))
+      summary["curves"].push_back(describe_curve(described, curve, drawn));
   return summary;
 }
 

@@ -128,6 +128,16 @@ std::vector<Influence> list_influences(const Json& sensitivity, const Json& inpu
   } else if (sensitivity.contains("morris")) {
     for (const Json& one : sensitivity.at("morris"))
       list.push_back(build_influence(one.at("parameter"), one.at("mean_size"), nullptr));
+  } else if (sensitivity.contains("swings")) {
+    for (const Json& one : sensitivity.at("swings")) {
+      const bool whole = one.at("least").is_number();
+      list.push_back(build_influence(
+          one.at("parameter"),
+          whole ? Json(one.at("greatest").get<double>() - one.at("least").get<double>()) : Json(nullptr), nullptr));
+    }
+  } else if (sensitivity.contains("grid_effects")) {
+    for (std::size_t k = 0; k < sensitivity.at("grid_effects").size(); ++k)
+      list.push_back(build_influence(inputs[k].at("name"), sensitivity.at("grid_effects")[k], nullptr));
   } else if (sensitivity.contains("first_order")) {
     const Json& orders = sensitivity.at("first_order");
     for (std::size_t k = 0; k < orders.size(); ++k)
@@ -142,7 +152,55 @@ const char* get_influence_heading(const Json& sensitivity) {
     return "Influences: Sobol' totals, parts of a value's variance that go with an input, alone or with others";
   if (sensitivity.contains("morris"))
     return "Influences: mean sizes of elementary effects (Morris), in the value's SI unit for the range of an input";
+  if (sensitivity.contains("swings"))
+    return "Influences: ranges of a value over the levels of an input, the others at their medians, in its SI unit";
+  if (sensitivity.contains("grid_effects"))
+    return "Influences: parts of a value's variance over the grid by an input alone";
   return "Influences: parts of a value's variance by an input alone (first-order indices), with 95 % intervals";
+}
+
+// The requirements of samples that are chosen points: without probabilities, quantiles and tolerance limits.
+void print_chosen_requirements(std::FILE* to, const Json& summary) {
+  print_heading(to, "Requirements: failures of the samples, least and greatest value");
+  std::fprintf(to, "  %-16s %8s %8s %10s %10s\n", "", "failed", "missing", "least", "greatest");
+  for (const Json& requirement : summary.at("requirements")) {
+    const auto shown = [&](const Json& value) {
+      return value.is_null() ? std::string("–") : format("%.5g", to_shown(requirement, value.get<double>()));
+    };
+    std::fprintf(to, "  %-16s %8lld %8lld %10s %10s %s\n", requirement.at("id").get<std::string>().c_str(),
+                 requirement.at("failed").get<long long>(), requirement.at("not_evaluated").get<long long>(),
+                 shown(requirement.at("min")).c_str(), shown(requirement.at("max")).c_str(),
+                 get_shown_unit(requirement).c_str());
+  }
+}
+
+void print_requirements(std::FILE* to, const Json& summary) {
+  print_heading(
+      to,
+      std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
+          ": failures, their part, 95 % bounds of its probability (Clopper-Pearson), quantiles of the value, what 99 % "
+          "of all runs keep to with 95 % confidence (Wilks)");
+  if (const std::string basis = summary.at("basis").at("text"); !basis.empty())
+    std::fprintf(to, "  %s\n", basis.c_str());
+  std::fprintf(to, "  %-16s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s %-6s %s\n", "", "failed", "missing", "part",
+               "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "", "tolerance");
+  for (const Json& requirement : summary.at("requirements")) {
+    const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
+    const bool failed = requirement.at("failed") > 0;
+    const auto shown = [&](const char* probability) {
+      const Json& value = q.at(probability);
+      return value.is_null() ? std::string("–") : format("%.5g", to_shown(requirement, value.get<double>()));
+    };
+    const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
+    std::fprintf(
+        to, "  %-16s %s %8lld %9s  %-25s %10s %10s %10s %10s %10s %-6s %s\n",
+        requirement.at("id").get<std::string>().c_str(),
+        paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
+            .c_str(),
+        requirement.at("not_evaluated").get<long long>(), describe_number(requirement.at("estimate"), "%.5g").c_str(),
+        bounds.c_str(), shown("0.01").c_str(), shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(),
+        shown("0.99").c_str(), get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
+  }
 }
 
 void print_influences(std::FILE* to, const Json& summary) {
@@ -180,9 +238,6 @@ void print_influences(std::FILE* to, const Json& summary) {
 }  // namespace
 
 void print_summary(std::FILE* to, const Json& summary) {
-  const auto text = [](const Json& value) {
-    return value.is_null() ? std::string("–") : format("%.5g", value.get<double>());
-  };
   std::fprintf(to, "%s: %lld of %s, campaign hash %s\n", summary.at("campaign").get<std::string>().c_str(),
                summary.at("samples").get<long long>(), count(summary.at("planned").get<long long>(), "sample").c_str(),
                summary.at("hash").get<std::string>().c_str());
@@ -202,30 +257,8 @@ void print_summary(std::FILE* to, const Json& summary) {
   }
   if (summary.contains("rare")) print_rare(to, summary.at("rare"));
   if (summary.at("requirements").empty()) return;
-  print_heading(
-      to,
-      std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
-          ": failures, their part, 95 % bounds of its probability (Clopper-Pearson), quantiles of the value, what 99 % "
-          "of all runs keep to with 95 % confidence (Wilks)");
-  std::fprintf(to, "  %-16s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s %-6s %s\n", "", "failed", "missing", "part",
-               "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "", "tolerance");
-  for (const Json& requirement : summary.at("requirements")) {
-    const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
-    const bool failed = requirement.at("failed") > 0;
-    const auto shown = [&](const char* probability) {
-      const Json& value = q.at(probability);
-      return value.is_null() ? std::string("–") : format("%.5g", to_shown(requirement, value.get<double>()));
-    };
-    const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
-    std::fprintf(
-        to, "  %-16s %s %8lld %9s  %-25s %10s %10s %10s %10s %10s %-6s %s\n",
-        requirement.at("id").get<std::string>().c_str(),
-        paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
-            .c_str(),
-        requirement.at("not_evaluated").get<long long>(), text(requirement.at("estimate")).c_str(), bounds.c_str(),
-        shown("0.01").c_str(), shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(),
-        shown("0.99").c_str(), get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
-  }
+  const bool drawn = !summary.at("basis").at("draws").is_null();
+  drawn ? print_requirements(to, summary) : print_chosen_requirements(to, summary);
   for (const Json& requirement : summary.at("requirements")) {
     if (!requirement.contains("without_blow")) continue;
     std::fprintf(to, "  %s\n",
@@ -237,9 +270,12 @@ void print_summary(std::FILE* to, const Json& summary) {
   }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");
-    std::fprintf(to, "  any requirement: %lld failed, %lld unresolved, probability %s, bounds %.2e … %.2e\n",
-                 any.at("failed").get<long long>(), any.at("unresolved").get<long long>(),
-                 text(any.at("estimate")).c_str(), p[0].get<double>(), p[1].get<double>());
+    std::fprintf(to, "  any requirement: %lld failed, %lld unresolved", any.at("failed").get<long long>(),
+                 any.at("unresolved").get<long long>());
+    if (drawn)
+      std::fprintf(to, ", probability %s, bounds %.2e … %.2e", describe_number(any.at("estimate"), "%.5g").c_str(),
+                   p[0].get<double>(), p[1].get<double>());
+    std::fprintf(to, "\n");
   }
   print_influences(to, summary);
   std::string worst;

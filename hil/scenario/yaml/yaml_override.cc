@@ -247,11 +247,6 @@ std::optional<WrittenUnit> find_constant_unit(const YamlNode& root, const std::s
   return unit && unit->factor != 1 ? unit : std::nullopt;
 }
 
-bool names_word(const YamlNode& node, const std::string& name) {
-  if (node.is_scalar()) return contains(node.text, name);
-  return std::ranges::any_of(node.items, [&](const YamlNode& item) { return names_word(item, name); });
-}
-
 bool is_unread_constant(const YamlNode& root, const std::string& path) {
   const auto place = find_constant(root, path);
   return place && !list_read(root, *place->first)[place->second];

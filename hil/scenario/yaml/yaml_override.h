@@ -38,8 +38,6 @@ std::vector<std::string> list_unread_constants(const YamlNode& root);
 // Unit, other than that of SI, in which the text gives the constant at this path: "mm" of constants.gap: 2 mm. A plain
 // number in its place would be one of SI. Nothing for other paths.
 std::optional<WrittenUnit> find_constant_unit(const YamlNode& root, const std::string& path);
-// True if a value in a node has the name as a word.
-bool names_word(const YamlNode& node, const std::string& name);
 // True of a constant's path if no text of the tree reads that constant.
 bool is_unread_constant(const YamlNode& root, const std::string& path);
 

@@ -77,6 +77,9 @@ void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& 
     read_outputs(top);
     read_subset(top);
     read_table(top);
+    const Sampling sampling = campaign_.plan.sampling;
+    if (get_basis(sampling) == SampleBasis::kChosen && !campaign_.tree->get_nominal().requirements.empty())
+      campaign_.remarks.push_back(describe_basis(sampling));
   } else {
     for (const char* unread : {"parameters", "correlations", "table", "subset", "outputs", "curves", "tolerance"})
       top.find(unread);

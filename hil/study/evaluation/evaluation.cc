@@ -103,7 +103,6 @@ class SampleEvaluator::Flight {
       if (analysis_ && result_.status == SampleStatus::kDone) {
         result_.message = analysis_->accuracy().describe_unresolved();
         if (!result_.message.empty()) result_.status = SampleStatus::kUnresolved;
-        if (result_.message.empty()) result_.message = describe_blows(*scenario_, *analysis_);
       }
       if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);
       if (analysis_ && evaluator_.chosen_.steps) result_.values.insert(result_.values.end(), {scenario_->dt, kNothing});

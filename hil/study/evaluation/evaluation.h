@@ -39,7 +39,7 @@ extern const std::vector<std::string> kSampleStatusNames;  // "done" …, in the
 
 struct SampleResult {
   SampleStatus status = SampleStatus::kDone;
-  std::string message;          // why there is no result, or describe_blows()
+  std::string message;          // why there is no result
   std::int64_t ticks = 0;       // tick of the last good state
   std::int64_t hash = 0;        // hash of that state, as `run` prints it
   std::int64_t model_hash = 0;  // hash of model, plan and rates, equal to that of a file loaded with the same values

@@ -36,7 +36,9 @@ JudgedValues::JudgedValues(const SampleEvaluator& evaluator, const std::vector<s
   if (std::ranges::find(judged, true) == judged.end())
     for (std::size_t i = 0; i < columns.size(); ++i) judged[i] = columns[i].kind != Kind::kClearanceTime;
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (judged[i] && columns[i].kind != Kind::kStep && columns[i].kind != Kind::kStepError) add(i);
+    if (judged[i] && columns[i].kind != Kind::kStep && columns[i].kind != Kind::kStepError &&
+        columns[i].kind != Kind::kWithoutBlow)
+      add(i);
 }
 
 std::size_t JudgedValues::add_group(const std::string& key, double least) {

@@ -37,8 +37,6 @@ double get_separation(const Separation& separation, std::size_t part) {
   return part == 1 ? separation.across : separation.relative.transverse;
 }
 
-const std::string kBlows = "without the impulse of a blow: ";
-
 struct ContactValue {
   const char *name, *unit;
   double (*get)(const ContactRecord&);
@@ -71,6 +69,10 @@ struct Results {
         for (const Verdict& verdict : verdicts)
           if (verdict.requirement == column.index && verdict.evaluated)
             return column.kind == Kind::kMargin ? verdict.margin : verdict.value;
+        return kNone;
+      case Kind::kWithoutBlow:
+        for (const Verdict& verdict : verdicts)
+          if (verdict.requirement == column.index && verdict.leaves_out_blow()) return verdict.blow;
         return kNone;
       case Kind::kEvent: {
         const auto found = events.find(get_event_name(scenario.model.events[column.index]));
@@ -116,32 +118,6 @@ struct Results {
 
 }  // namespace
 
-std::string describe_blows(const Scenario& scenario, const RunAnalysis& analysis) {
-  std::string names, numbers;
-  for (const Verdict& verdict : analysis.judge()) {
-    if (!verdict.leaves_out_blow()) continue;
-    names += (names.empty() ? "" : ", ") + scenario.requirements[verdict.requirement].id;
-    numbers += (numbers.empty() ? "#" : ", #") + std::to_string(verdict.requirement);
-  }
-  if (names.empty()) return names;
-  constexpr std::size_t kMost = 120;  // bytes of a sample's message
-  return kBlows + (kBlows.size() + names.size() <= kMost ? names : numbers);
-}
-
-std::vector<std::string> list_blows(const std::string& message, const std::vector<std::string>& ids) {
-  std::vector<std::string> list;
-  if (!message.starts_with(kBlows)) return list;
-  const std::string names = message.substr(kBlows.size(), message.find(';') - kBlows.size());
-  for (std::size_t from = 0; from < names.size();) {
-    const std::size_t to = std::min(names.find(", ", from), names.size());
-    const std::string name = names.substr(from, to - from);
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      if (name == ids[i] || name == "#" + std::to_string(i)) list.push_back(ids[i]);
-    from = to + 2;
-  }
-  return list;
-}
-
 std::string get_event_name(const Event& event) {
   return event.subject.empty() ? event.name : event.name + ":" + event.subject;
 }
@@ -181,6 +157,9 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
     for (std::size_t part = 0; part < std::size(kContactValues); ++part)
       columns.push_back({Kind::kContact, "contact." + model.contacts[i].name + "." + kContactValues[part].name,
                          kContactValues[part].unit, i, part});
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
+    if (scenario.requirements[i].quantity == Requirement::Measure::kReaction)
+      columns.push_back({Kind::kWithoutBlow, scenario.requirements[i].id + ".without_blow", "s", i, 0});
   return columns;
 }
 

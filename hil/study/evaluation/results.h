@@ -12,6 +12,7 @@
 //   separation.JOINT.across     m/s, across it
 //   separation.JOINT.rate       rad/s, of the follower relative to the base, across the axis
 //   peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
+//   ID.without_blow             s, of a requirement on a reaction: the first blow whose impulse its value leaves out
 //   contact.NAME.touch          s, first touch
 //   contact.NAME.peak           N, largest normal force
 //   contact.NAME.depth          m, largest depth
@@ -50,7 +51,8 @@ struct ResultColumn {
     kOutput,
     kCurve,
     kStep,
-    kStepError
+    kStepError,
+    kWithoutBlow
   };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI
@@ -69,12 +71,6 @@ AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
 // Results of the run so far, one for each column.
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);
-
-// Requirements on reactions whose values leave out the impulse of a blow: "without the impulse of a blow: ID, ID"; by
-// their numbers, "#0, #2", where the names are too long for a sample's message. Empty for none.
-std::string describe_blows(const Scenario& scenario, const RunAnalysis& analysis);
-// Their names, in the message of a sample; `ids`: of all requirements.
-std::vector<std::string> list_blows(const std::string& message, const std::vector<std::string>& ids);
 
 // Full name of an event: "release:booster1", or the name alone.
 std::string get_event_name(const Event& event);

@@ -15,6 +15,15 @@ OptimizeDemand get_first_demand(const OptimizeProblem& problem) {
   return demand;
 }
 
+std::int64_t choose_coarse(const OptimizeProblem& problem, const OptimizeDemand& demand) {
+  constexpr std::int64_t kPart = 8, kLeast = 32, kWorth = 4;
+  std::int64_t flights = std::max(kLeast, demand.flights / kPart);
+  for (const OptimizeConstraint& constraint : problem.constraints)
+    if (constraint.probability > 0)
+      flights = std::max(flights, static_cast<std::int64_t>(std::ceil(kCoarseFailures / (1 - constraint.probability))));
+  return kWorth * flights <= demand.flights ? flights : 0;
+}
+
 double calc_confirmable(double allowed, std::int64_t samples) {
   const auto confirms = [&](std::int64_t failed) { return calc_clopper_pearson(failed, samples).high <= allowed; };
   if (!confirms(0)) return 0;

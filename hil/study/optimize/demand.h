@@ -25,6 +25,11 @@ struct OptimizeDemand {
 // Demand of the first search: the problem's samples and probabilities.
 OptimizeDemand get_first_demand(const OptimizeProblem& problem);
 
+// Samples of a first search from whose result that of the demand goes on: an eighth, but no fewer than 32, nor than
+// kCoarseFailures failures have at the limit of each probability. 0: the demand has hardly more.
+std::int64_t choose_coarse(const OptimizeProblem& problem, const OptimizeDemand& demand);
+inline constexpr double kCoarseFailures = 4;
+
 // Probability of failure that so many samples almost surely show to be allowed: their greatest count of failures whose
 // upper bound (Clopper and Pearson 1934, 95 %) is within `allowed`, less twice its standard deviation.
 double calc_confirmable(double allowed, std::int64_t samples);

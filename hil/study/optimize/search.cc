@@ -27,7 +27,7 @@ class Search {
       : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
 
   OptimizeResult run(bool study, const std::function<void(const OptimizePoint&)>& found) {
-    if (!evaluations_.get_samples().empty()) look();
+    if (!evaluations_.get_samples().empty() && !look_coarsely()) look();
     result_.search_runs = evaluations_.get_runs();
     if (evaluations_.was_stopped())
       result_.end = OptimizeResult::End::kStopped;
@@ -114,6 +114,28 @@ class Search {
     cut_ = !evaluations_.evaluate({get_start(problem_)}, first);
     evaluations_.set_deadline(problem_.budget.seconds);
     return OptimizeMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
+  }
+
+  // Searches with an eighth of the samples first, and from its best point with all of them, with as many runs again:
+  // most runs of a search are far from the limits, where few samples place them as well. False: it is not worth it.
+  bool look_coarsely() {
+    const OptimizeDemand demand = evaluations_.get_demand();
+    const std::int64_t flights = choose_coarse(problem_, demand);
+    if (flights == 0 || problem_.objectives.size() > 1 || list_continuous(problem_).empty() || cut_) return false;
+    evaluations_.set_demand({flights, demand.parts});
+    std::vector<std::int64_t> first;
+    const bool flown = evaluations_.evaluate({get_start(problem_)}, first);
+    if (flown) {
+      whole_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
+      look();
+    }
+    const OptimizePoint from = get_best().point;
+    evaluations_.set_demand(demand);
+    if (!flown || evaluations_.was_stopped() || !search_again(from)) {
+      if (flown) evaluations_.set_demand({flights, demand.parts});
+      cut_ = true;
+    }
+    return true;
   }
 
   void look() {

@@ -105,6 +105,51 @@ std::vector<double> calc_saltelli(const SamplingPlan& plan, std::int64_t sample)
 const std::vector<std::string> kSamplingNames{"random", "latin-hypercube", "sobol", "grid",  "one-at-a-time",
                                               "morris", "saltelli",        "csv",   "subset"};
 
+SampleBasis get_basis(Sampling sampling) {
+  switch (sampling) {
+    case Sampling::kRandom:
+    case Sampling::kSubset:
+      return SampleBasis::kIndependent;
+    case Sampling::kLatinHypercube:
+      return SampleBasis::kStratified;
+    case Sampling::kSobol:
+      return SampleBasis::kQuasiRandom;
+    case Sampling::kSaltelli:
+      return SampleBasis::kBaseRows;
+    case Sampling::kCsv:
+      return SampleBasis::kTable;
+    case Sampling::kGrid:
+    case Sampling::kOneAtATime:
+    case Sampling::kMorris:
+      break;
+  }
+  return SampleBasis::kChosen;
+}
+
+std::string describe_basis(Sampling sampling) {
+  const std::string& name = kSamplingNames[static_cast<std::size_t>(sampling)];
+  switch (get_basis(sampling)) {
+    case SampleBasis::kIndependent:
+      return "";
+    case SampleBasis::kStratified:
+      return "samples of a latin hypercube are not independent: bounds, intervals and tolerance limits are those of "
+             "independent ones, as a rule cautious here, but not guaranteed";
+    case SampleBasis::kQuasiRandom:
+      return "samples of a Sobol' sequence are not independent: bounds, intervals and tolerance limits are those of "
+             "independent ones, mostly cautious here, but not guaranteed";
+    case SampleBasis::kBaseRows:
+      return "probabilities, quantiles and tolerance limits are of the first two samples of each block alone, which "
+             "are independent draws; the others repeat their values";
+    case SampleBasis::kTable:
+      return "bounds, intervals and tolerance limits hold if the rows of the table are independent draws";
+    case SampleBasis::kChosen:
+      break;
+  }
+  return "samples of " + name +
+         " are chosen, not drawn from the distributions: they have no probabilities, quantiles or tolerance limits; "
+         "take those from a random campaign";
+}
+
 MorrisStep get_morris_step(const SamplingPlan& plan, std::int64_t trajectory, std::size_t k) {
   const std::uint64_t row = static_cast<std::uint64_t>(trajectory);
   // Permutation of the axes for each trajectory.

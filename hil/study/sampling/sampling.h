@@ -32,6 +32,20 @@ struct SamplingPlan {
 // Coordinates of a point, each in (0, 1). `sample`: from 0.
 std::vector<double> calc_point(const SamplingPlan& plan, std::int64_t sample);
 
+// What the samples of a design say of the distributions: of probabilities, quantiles and tolerance limits.
+enum class SampleBasis {
+  kIndependent,  // independent draws: what Clopper and Pearson, Wilks and order statistics assume
+  kStratified,   // one draw in each part of each axis: means vary hardly more than those of independent draws
+  kQuasiRandom,  // each point is a draw, but all together are not independent: mostly less scattered, without a bound
+  kBaseRows,     // the first two samples of each block are independent draws, the others repeat their coordinates
+  kTable,        // what the table's rows are
+  kChosen,       // chosen points: nothing
+};
+SampleBasis get_basis(Sampling sampling);
+// The same as a sentence; empty for independent draws.
+std::string describe_basis(Sampling sampling);
+inline constexpr std::int64_t kBaseRowsEach = 2;  // of a block of saltelli: A and B
+
 // Number of samples that the plan prescribes; 0 if the user may choose it.
 std::int64_t count_samples(const SamplingPlan& plan);
 

@@ -1,6 +1,7 @@
 #include "hil/study/statistics/binomial.h"
 
 #include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 
 namespace unlatch::hil {
@@ -26,5 +27,9 @@ double calc_lower_bound(std::int64_t k, std::int64_t trials, double tail) {
 }
 
 double calc_beta_quantile(double a, double b, double p) { return boost::math::ibeta_inv(a, b, p); }
+
+double calc_student_quantile(double freedom, double p) {
+  return quantile(boost::math::students_t_distribution<double>(freedom), p);
+}
 
 }  // namespace unlatch::hil

@@ -14,5 +14,7 @@ double calc_lower_bound(std::int64_t k, std::int64_t trials, double tail);
 
 // Finds x with I_x(a, b) = p, the regularised incomplete beta function.
 double calc_beta_quantile(double a, double b, double p);
+// Finds x with P(X ≤ x) = p, of Student's t with so many degrees of freedom.
+double calc_student_quantile(double freedom, double p);
 
 }  // namespace unlatch::hil

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "hil/scenario/base/philox.h"
 #include "hil/study/statistics/binomial.h"
@@ -156,7 +157,11 @@ Rest calc_rest(const Moments& bin) {
 constexpr std::size_t kParts = 20;    // of the jackknife
 constexpr double kStudent19 = 2.093;  // 97.5 % of Student's t with 19 degrees of freedom
 
-double calc_epsilon_squared(const std::vector<Moments>& bins) {
+// ε², and by how much η² is greater: the part that the lines explain of what is left to chance.
+struct Explained {
+  double index = kNaN, allowance = 0;
+};
+Explained calc_epsilon_squared(const std::vector<Moments>& bins) {
   Moments all;
   double within = 0, used = 0;
   for (const Moments& bin : bins) {
@@ -166,33 +171,36 @@ double calc_epsilon_squared(const std::vector<Moments>& bins) {
     used += rest.numbers;
   }
   const double total = all.calc_spread();
-  if (!(total > 0) || used < 2 || all.count <= used) return kNaN;
-  return 1 - (within / (all.count - used)) / (total / (all.count - 1));
+  if (!(total > 0) || used < 2 || all.count <= used) return {};
+  const double index = 1 - (within / (all.count - used)) / (total / (all.count - 1));
+  return {index, 1 - within / total - index};
 }
 
 // `parts`: moments by part of the samples and bin.
-FirstOrder calc_first_order(const std::vector<std::vector<Moments>>& parts) {
+FirstOrder calc_first_order(const std::vector<std::vector<Moments>>& parts, Evenness evenness) {
   std::vector<Moments> all(parts[0].size());
   for (const std::vector<Moments>& part : parts)
     for (std::size_t bin = 0; bin < all.size(); ++bin) all[bin].add(part[bin], 1);
-  const double index = calc_epsilon_squared(all);
+  const auto [index, allowance] = calc_epsilon_squared(all);
   double mean = 0, square = 0;
   std::vector<double> without;
   for (const std::vector<Moments>& part : parts) {
     std::vector<Moments> others = all;
     for (std::size_t bin = 0; bin < all.size(); ++bin) others[bin].add(part[bin], -1);
-    without.push_back(calc_epsilon_squared(others));
+    without.push_back(calc_epsilon_squared(others).index);
     mean += without.back() / static_cast<double>(parts.size());
   }
   for (const double one : without) square += (one - mean) * (one - mean);
   const auto n = static_cast<double>(parts.size());
   const double half = kStudent19 * std::sqrt(square * (n - 1) / n);
-  return {index, {index - half, index + half}};
+  if (std::isnan(index) || std::isnan(half)) return {index, {kNaN, kNaN}};
+  const double high = index + half + (evenness == Evenness::kEven ? allowance : 0);
+  return {index, {std::clamp(index - half, 0.0, 1.0), std::clamp(high, 0.0, 1.0)}};
 }
 
 }  // namespace
 
-FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y) const {
+FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y, Evenness evenness) const {
   FirstOrders out;
   std::vector<double> present;
   for (const double value : y)
@@ -218,7 +226,7 @@ FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y) con
       const auto bin = static_cast<std::size_t>(0.5 * variable.twice[i] / count * bins);
       parts[i % kParts][std::min(bin, out.bins - 1)].add(make_moments(variable.centred[i], y[i] - mean), 1);
     }
-    out.of_inputs.push_back(calc_first_order(parts));
+    out.of_inputs.push_back(calc_first_order(parts, evenness));
   }
   return out;
 }
@@ -235,46 +243,104 @@ MorrisEffect calc_morris(const std::vector<double>& effects) {
   return effect;
 }
 
+namespace {
+
+// Sums over rows, to which both indices of an axis belong. Outputs are centred: the product of the means would cancel
+// badly.
+struct RowSums {
+  double rows = 0, sum = 0, square = 0;  // of a and b
+  std::vector<double> product, difference, jansen;
+
+  explicit RowSums(std::size_t axes) : product(axes), difference(axes), jansen(axes) {}
+  void add(const RowSums& other, double sign) {
+    rows += sign * other.rows;
+    sum += sign * other.sum;
+    square += sign * other.square;
+    for (std::size_t axis = 0; axis < product.size(); ++axis) {
+      product[axis] += sign * other.product[axis];
+      difference[axis] += sign * other.difference[axis];
+      jansen[axis] += sign * other.jansen[axis];
+    }
+  }
+  [[nodiscard]] double calc_variance() const {
+    const double mean = sum / (2 * rows);
+    return square / (2 * rows) - mean * mean;
+  }
+  [[nodiscard]] double calc_first(std::size_t axis) const {
+    return (product[axis] - sum / (2 * rows) * difference[axis]) / rows / calc_variance();
+  }
+  [[nodiscard]] double calc_total(std::size_t axis) const { return jansen[axis] / (2 * rows) / calc_variance(); }
+};
+
+// `without`: without each row. `positive`: an estimate that is above 0 and skewed upwards, whose logarithm has the
+// interval of the jackknife, too.
+std::optional<Interval> calc_index_interval(double index, std::vector<double> resampled,
+                                            const std::vector<double>& without, bool positive) {
+  const bool finite = std::isfinite(index) &&
+                      std::ranges::all_of(resampled, [](double x) { return std::isfinite(x); }) &&
+                      std::ranges::all_of(without, [](double x) { return std::isfinite(x); });
+  if (!finite) return std::nullopt;
+  constexpr double kTail = 0.5 * (1 - kConfidence);
+  std::sort(resampled.begin(), resampled.end());
+  const auto n = static_cast<double>(without.size());
+  const double mean = calc_mean(without);
+  double square = 0;
+  for (const double one : without) square += (one - mean) * (one - mean);
+  const double half = calc_student_quantile(n - 1, 1 - kTail) * std::sqrt(square * (n - 1) / n);
+  const double above = positive && index > 0 ? index * std::exp(half / index) : index + half;
+  return Interval{std::clamp(std::min(calc_quantile(resampled, kTail), index - half), 0.0, 1.0),
+                  std::clamp(std::max(calc_quantile(resampled, 1 - kTail), above), 0.0, 1.0)};
+}
+
+}  // namespace
+
 std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const std::vector<double>& b,
                                            std::span<const std::vector<double>> ab, std::uint64_t seed) {
-  const std::size_t n = a.size();
-  std::vector<std::vector<double>> firsts(ab.size()), totals(ab.size());
-  const auto add = [&](const std::vector<std::size_t>& rows) {
-    double mean = 0, square = 0;
-    const auto count = static_cast<double>(rows.size());
-    for (const std::size_t i : rows) mean += (a[i] + b[i]) / (2 * count);
-    for (const std::size_t i : rows)  // centred: the product of the means would cancel badly
-      square += ((a[i] - mean) * (a[i] - mean) + (b[i] - mean) * (b[i] - mean)) / (2 * count);
-    for (std::size_t axis = 0; axis < ab.size(); ++axis) {
-      double first = 0, total = 0;
-      for (const std::size_t i : rows) {
-        first += (b[i] - mean) * (ab[axis][i] - a[i]) / count;
-        total += (a[i] - ab[axis][i]) * (a[i] - ab[axis][i]) / (2 * count);
-      }
-      firsts[axis].push_back(first / square);
-      totals[axis].push_back(total / square);
+  const std::size_t n = a.size(), axes = ab.size();
+  double mean = 0;
+  for (std::size_t i = 0; i < n; ++i) mean += (a[i] + b[i]) / (2 * static_cast<double>(n));
+  std::vector<RowSums> rows(n, RowSums(axes));
+  RowSums all(axes);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double of_a = a[i] - mean, of_b = b[i] - mean;
+    rows[i].rows = 1;
+    rows[i].sum = of_a + of_b;
+    rows[i].square = of_a * of_a + of_b * of_b;
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const double step = ab[axis][i] - a[i];
+      rows[i].product[axis] = of_b * step;
+      rows[i].difference[axis] = step;
+      rows[i].jansen[axis] = step * step;
+    }
+    all.add(rows[i], 1);
+  }
+  std::vector<SobolIndex> indices;
+  for (std::size_t axis = 0; axis < axes; ++axis) indices.push_back({all.calc_first(axis), all.calc_total(axis)});
+  if (n < kLeastSobolRows) return indices;
+  std::vector<std::vector<double>> firsts(axes), totals(axes), firsts_without(axes), totals_without(axes);
+  const auto keep = [axes](const RowSums& sums, auto& first, auto& total) {
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      first[axis].push_back(sums.calc_first(axis));
+      total[axis].push_back(sums.calc_total(axis));
     }
   };
-  std::vector<std::size_t> rows(n);
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  add(rows);  // the estimate
-  std::vector<SobolIndex> indices;
-  for (std::size_t axis = 0; axis < ab.size(); ++axis) indices.push_back({firsts[axis][0], totals[axis][0], {}, {}});
   constexpr std::uint32_t kResamples = 1000;
   for (std::uint32_t k = 0; k < kResamples; ++k) {
+    RowSums sums(axes);
     for (std::size_t i = 0; i < n; ++i)
-      rows[i] = static_cast<std::size_t>(draw_unit(seed, RandomStream::kResampling, i, k) * static_cast<double>(n));
-    add(rows);
+      sums.add(
+          rows[static_cast<std::size_t>(draw_unit(seed, RandomStream::kResampling, i, k) * static_cast<double>(n))], 1);
+    keep(sums, firsts, totals);
   }
-  constexpr double kTail = 0.5 * (1 - kConfidence);
-  const auto find = [](std::vector<double>& estimates) {  // the first is not a resampled one
-    std::sort(estimates.begin() + 1, estimates.end());
-    const std::vector<double> sorted(estimates.begin() + 1, estimates.end());
-    return Interval{calc_quantile(sorted, kTail), calc_quantile(sorted, 1 - kTail)};
-  };
-  for (std::size_t axis = 0; axis < ab.size(); ++axis) {
-    indices[axis].first_interval = find(firsts[axis]);
-    indices[axis].total_interval = find(totals[axis]);
+  for (const RowSums& row : rows) {
+    RowSums others = all;
+    others.add(row, -1);
+    keep(others, firsts_without, totals_without);
+  }
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    SobolIndex& index = indices[axis];
+    index.first_interval = calc_index_interval(index.first, std::move(firsts[axis]), firsts_without[axis], false);
+    index.total_interval = calc_index_interval(index.total, std::move(totals[axis]), totals_without[axis], true);
   }
   return indices;
 }

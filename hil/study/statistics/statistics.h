@@ -41,6 +41,10 @@ struct FirstOrder {
   double index = 0;   // NaN: too few values, or one of both is constant
   Interval interval;  // 95 %
 };
+// Samples that are more even than chance (a Sobol' sequence) leave less of the other inputs in the means of the bins
+// than ε² allows for, down to nothing: an interval then reaches to the index without that allowance, η².
+enum class Evenness { kRandom, kEven };
+
 // First-order indices of one output.
 struct FirstOrders {
   std::vector<FirstOrder> of_inputs;
@@ -57,8 +61,9 @@ class RankedVariables {
   // has a straight line of least squares, all of them p = 2 bins numbers; of one value of x the mean alone.
   // ε² = 1 − (rest/(N − p))/(total/(N − 1)) (Kelley 1935), which is unbiased where there is no influence and for a
   // line, and too small by index/bins⁴ for a parabola over a uniform input. Intervals: jackknife over 20 interleaved
-  // parts of the samples, Student's t. The significance is that of the F test, exact for normal outputs.
-  [[nodiscard]] FirstOrders calc_first_orders(const std::vector<double>& y) const;
+  // parts of the samples, Student's t, within 0 … 1. The significance is that of the F test, exact for normal outputs.
+  [[nodiscard]] FirstOrders calc_first_orders(const std::vector<double>& y,
+                                              Evenness evenness = Evenness::kRandom) const;
 
  private:
   struct Ranks {
@@ -77,11 +82,15 @@ struct MorrisEffect {
 };
 MorrisEffect calc_morris(const std::vector<double>& effects);
 
-// Indices of one axis from outputs at A, B and A with the axis of B: Saltelli 2010 (first order), Jansen 1999 (total),
-// with intervals by resampling of the rows (1,000 times, Philox). All axes at once: they share the resampled rows.
+// Indices of one axis from outputs at A, B and A with the axis of B: Saltelli 2010 (first order), Jansen 1999 (total).
+// All axes at once: they share the resampled rows. The interval has both that of 1,000 resamples of the rows (Philox),
+// percentiles, and that of the jackknife over the rows with Student's t: each alone is too narrow at one end where an
+// index is skewed; a total's is that of its logarithm upwards. It is cut to 0 … 1, where indices are. Below
+// kLeastSobolRows no method of these covers as it says.
+inline constexpr std::size_t kLeastSobolRows = 100;
 struct SobolIndex {
   double first = 0, total = 0;
-  Interval first_interval, total_interval;
+  std::optional<Interval> first_interval{}, total_interval{};  // 95 %; nothing: too few rows, or a constant
 };
 std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const std::vector<double>& b,
                                            std::span<const std::vector<double>> ab, std::uint64_t seed);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -173,16 +174,114 @@ TEST(Statistics, FirstOrderIndicesOfConstantsAndOfFewValuesAreNoNumbers) {
   EXPECT_TRUE(std::isnan(constant.calc_first_orders(x).of_inputs[0].index));
 }
 
+// Functions of three inputs in (0, 1) whose indices are known in closed form.
+struct KnownFunction {
+  const char* name;
+  double (*value)(const std::vector<double>& u);
+  std::array<double, 3> first, total;
+};
+
+constexpr double kIshigamiA = 7, kIshigamiB = 0.1;
+
+double calc_ishigami(const std::vector<double>& u) {
+  const auto x = [&](std::size_t k) { return std::numbers::pi * (2 * u[k] - 1); };
+  return std::sin(x(0)) + kIshigamiA * std::sin(x(1)) * std::sin(x(1)) +
+         kIshigamiB * std::pow(x(2), 4) * std::sin(x(0));
+}
+
+// Ishigami and Homma 1990; a sum of uniform inputs; the product of Sobol' 1993 with a = 0, 1, 9.
+std::vector<KnownFunction> list_known_functions() {
+  constexpr double kPi = std::numbers::pi;
+  const double v1 = 0.5 * std::pow(1 + kIshigamiB * std::pow(kPi, 4) / 5, 2), v2 = kIshigamiA * kIshigamiA / 8,
+               v13 = kIshigamiB * kIshigamiB * std::pow(kPi, 8) * (1.0 / 18 - 1.0 / 50), v = v1 + v2 + v13;
+  const double p0 = 1.0 / 3, p1 = 1.0 / 12, p2 = 1.0 / 300, p = (1 + p0) * (1 + p1) * (1 + p2) - 1;
+  return {{"Ishigami", calc_ishigami, {v1 / v, v2 / v, 0}, {(v1 + v13) / v, v2 / v, v13 / v}},
+          {"sum",
+           [](const std::vector<double>& u) { return 1e3 + 3 * u[0] + 2 * u[1] + u[2]; },
+           {9.0 / 14, 4.0 / 14, 1.0 / 14},
+           {9.0 / 14, 4.0 / 14, 1.0 / 14}},
+          {"product",
+           [](const std::vector<double>& u) {
+             const auto factor = [&](std::size_t k, double a) { return (std::abs(4 * u[k] - 2) + a) / (1 + a); };
+             return factor(0, 0) * factor(1, 1) * factor(2, 9);
+           },
+           {p0 / p, p1 / p, p2 / p},
+           {p0 * (1 + p1) * (1 + p2) / p, p1 * (1 + p0) * (1 + p2) / p, p2 * (1 + p0) * (1 + p1) / p}}};
+}
+
+int covers(const hil::Interval& interval, double exact) {
+  return interval.low <= exact && exact <= interval.high ? 1 : 0;
+}
+
+constexpr int kCampaigns = 300;
+constexpr double kLeastCovered = 0.93;  // nominally 0.95
+
+// Seeds 1 to 300: the numbers are always the same.
+TEST(Statistics, IntervalsOfSobolIndicesCoverAsOftenAsTheySay) {
+  constexpr std::int64_t kRows = 128;
+  for (const KnownFunction& function : list_known_functions()) {
+    std::array<int, 3> first{}, total{};
+    for (std::uint64_t seed = 1; seed <= kCampaigns; ++seed) {
+      const hil::SamplingPlan plan{hil::Sampling::kSaltelli, seed, kRows * 5, 3, {}};
+      std::vector<std::vector<double>> blocks(5);
+      for (std::int64_t i = 0; i < plan.samples; ++i)
+        blocks[static_cast<std::size_t>(i % 5)].push_back(function.value(hil::calc_point(plan, i)));
+      const auto indices = hil::calc_sobol_indices(blocks[0], blocks[1], std::span(blocks).subspan(2), seed);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        first[axis] += covers(indices[axis].first_interval.value(), function.first[axis]);
+        total[axis] += covers(indices[axis].total_interval.value(), function.total[axis]);
+      }
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(first[axis], kLeastCovered * kCampaigns) << function.name << ", input " << axis;
+      EXPECT_GE(total[axis], kLeastCovered * kCampaigns) << function.name << ", input " << axis;
+    }
+  }
+}
+
+// An index of 0 had an interval below 0 in most campaigns with a Sobol' sequence.
+TEST(Statistics, FirstOrderIntervalsOfASobolSequenceCoverAsOftenAsTheySayAndAnIndexOf0) {
+  for (const std::int64_t samples : {128, 1024})
+    for (const KnownFunction& function : list_known_functions()) {
+      std::array<int, 3> covered{};
+      for (std::uint64_t seed = 1; seed <= kCampaigns; ++seed) {
+        const hil::SamplingPlan plan{hil::Sampling::kSobol, seed, samples, 3, {}};
+        std::vector<std::vector<double>> x(3);
+        std::vector<double> y;
+        for (std::int64_t i = 0; i < samples; ++i) {
+          const std::vector<double> u = hil::calc_point(plan, i);
+          for (std::size_t k = 0; k < 3; ++k) x[k].push_back(u[k]);
+          y.push_back(function.value(u));
+        }
+        hil::RankedVariables ranked;
+        for (const std::vector<double>& variable : x) ranked.add(variable);
+        const hil::FirstOrders orders = ranked.calc_first_orders(y, hil::Evenness::kEven);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          covered[axis] += covers(orders.of_inputs[axis].interval, function.first[axis]);
+      }
+      // Of 128 samples three bins are too few for the ups and downs of sin², which is stated in statistics.h.
+      const bool too_few = samples == 128 && function.value == calc_ishigami;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_GE(covered[axis], too_few && axis == 1 ? 0 : kLeastCovered * kCampaigns)
+            << function.name << ", input " << axis << ", samples " << samples;
+    }
+}
+
+TEST(Statistics, SobolIndicesOfFewRowsAndOfConstantsHaveNoInterval) {
+  const std::vector<double> few(hil::kLeastSobolRows - 1, 1.0), same(hil::kLeastSobolRows, 1.0);
+  std::vector<double> line;
+  for (std::size_t i = 0; i < few.size(); ++i) line.push_back(static_cast<double>(i));
+  const std::vector<std::vector<double>> ab_few{few}, ab_same{same};
+  EXPECT_TRUE(std::isfinite(hil::calc_sobol_indices(few, line, ab_few, 1)[0].first));
+  EXPECT_FALSE(hil::calc_sobol_indices(few, line, ab_few, 1)[0].first_interval);
+  EXPECT_FALSE(hil::calc_sobol_indices(same, same, ab_same, 1)[0].first_interval);
+  EXPECT_TRUE(std::isnan(hil::calc_sobol_indices(same, same, ab_same, 1)[0].first));
+}
+
 // Ishigami's function, whose indices are known in closed form (Ishigami and Homma 1990).
 TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
-  constexpr double a = 7, b = 0.1, kPi = std::numbers::pi;
-  const auto f = [&](const std::vector<double>& u) {
-    const auto x = [&](std::size_t k) { return kPi * (2 * u[k] - 1); };
-    return std::sin(x(0)) + a * std::sin(x(1)) * std::sin(x(1)) + b * std::pow(x(2), 4) * std::sin(x(0));
-  };
-  const double v1 = 0.5 * std::pow(1 + b * std::pow(kPi, 4) / 5, 2), v2 = a * a / 8,
-               v13 = b * b * std::pow(kPi, 8) * (1.0 / 18 - 1.0 / 50), v = v1 + v2 + v13;
-  const double first[] = {v1 / v, v2 / v, 0}, total[] = {(v1 + v13) / v, v2 / v, v13 / v};
+  const KnownFunction function = list_known_functions()[0];
+  const auto& [name, f, first, total] = function;
   const hil::SamplingPlan plan{hil::Sampling::kSaltelli, 1, 2000 * 5, 3, {}};
   std::vector<std::vector<double>> blocks(5);
   for (std::int64_t i = 0; i < plan.samples; ++i)
@@ -191,11 +290,12 @@ TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
       hil::calc_sobol_indices(blocks[0], blocks[1], std::span(blocks).subspan(2), 1);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const hil::SobolIndex& index = indices[axis];
-    EXPECT_LE(index.first_interval.low, first[axis]) << axis;
-    EXPECT_GE(index.first_interval.high, first[axis]) << axis;
-    EXPECT_LE(index.total_interval.low, total[axis]) << axis;
-    EXPECT_GE(index.total_interval.high, total[axis]) << axis;
-    EXPECT_LT(index.first_interval.high - index.first_interval.low, 0.2);
+    ASSERT_TRUE(index.first_interval && index.total_interval);
+    EXPECT_LE(index.first_interval->low, first[axis]) << axis;
+    EXPECT_GE(index.first_interval->high, first[axis]) << axis;
+    EXPECT_LE(index.total_interval->low, total[axis]) << axis;
+    EXPECT_GE(index.total_interval->high, total[axis]) << axis;
+    EXPECT_LT(index.first_interval->high - index.first_interval->low, 0.2);
   }
 }
 

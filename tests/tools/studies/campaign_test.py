@@ -91,8 +91,7 @@ requirements:
         self.assertEqual([one.get("without_blow") for one in summary["requirements"]], [3, None])
         said = self.run_ok(UNLATCH, "campaign", path, "--out", self.folder / "again").stdout
         self.assertIn("note: the values of root in 3 samples are without the impulse of a blow through the joint", said)
-        self.assertEqual([row["message"] for row in read_table(self.folder / "arm")],
-                         ["", *["without the impulse of a blow: root"] * 2, "", "without the impulse of a blow: root"])
+        self.assertEqual([row["root.without_blow [s]"] != "" for row in read_table(self.folder / "arm")], [False, True, True, False, True])
 
     def test_a_sample_run_alone_has_the_hash_of_the_table(self):
         path = self.write("samples: 5\nparameters:\n  m: {path: bodies.ball.mass, normal: {mean: nominal, sigma: 1 %}}\n"
@@ -312,8 +311,8 @@ parameters:
         self.assertEqual([row[0] for row in cells], ["slow", "near", "kept", "any requirement"])
         self.assertEqual([row[1] for row in cells], ["≤ 2 deg/s", "≥ -2, ≤ 2 mm", "≥ 0.5 m/s", ""])
         requirements = {one["id"]: one for one in summary["requirements"]}
-        self.assertAlmostEqual(float(cells[0][8]), math.degrees(requirements["slow"]["quantiles"]["0.5"]), delta=1e-4)
-        self.assertAlmostEqual(float(cells[1][8]), 1e3 * requirements["near"]["quantiles"]["0.5"], delta=1e-4)
+        self.assertAlmostEqual(float(cells[0][10]), math.degrees(requirements["slow"]["quantiles"]["0.5"]), delta=1e-4)
+        self.assertAlmostEqual(float(cells[1][10]), 1e3 * requirements["near"]["quantiles"]["0.5"], delta=1e-4)
         self.assertEqual(cells[3][2], str(summary["any_requirement"]["failed"]))
         self.assertEqual(browser.evaluate("[...document.querySelectorAll('#worst th')].slice(1, 3).map((cell) => cell.textContent)"), ["slow [deg/s]", "near [mm]"])
         self.assertEqual(browser.evaluate("[...document.querySelectorAll('#inputs tr')].slice(1).map((row) => row.children[1].textContent)"), ["mm", "m/s", "deg/s"])

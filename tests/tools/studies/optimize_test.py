@@ -421,6 +421,31 @@ class OptimizeTest(ProcessTest):
         refused = self.run_ok(UNLATCH, "check", self.folder / "p.yaml", code=2)
         self.assertIn("nothing reads the constant 'price'", refused.stderr)
 
+    # A column's name has the variable as a word: the objective is the column, and nothing reads the variable.
+    def test_a_variable_whose_name_is_a_word_in_the_name_of_a_column_is_not_read(self):
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("{id: far,", "{id: far-p,") + "constants: {p: 3}\n")
+        (self.folder / "p.yaml").write_text(PROBLEM.replace("variables:\n", "variables:\n  p: {path: constants.p, between: [1, 5]}\n")
+                                            .replace("a^2 + 4*b^2", "far-p"))
+        refused = self.run_ok(UNLATCH, "check", self.folder / "p.yaml", code=2)
+        self.assertIn("nothing reads the constant 'p'", refused.stderr)
+
+    # Of 512 samples of each design most runs fly an eighth, until they are near the limit.
+    def test_a_search_with_many_samples_begins_with_few(self):
+        self.write_campaign(512)
+        result = self.optimize(PROBLEM + "campaign: {file: c.yaml, samples: 512, checks: 2000}\nbudget: {runs: 40}\n"
+                               "constraints: [{requirement: far, probability: 0.9}]\n", "few")
+        self.assertIn(result["status"], ("optimal", "budget"))
+        self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "confirmed")
+        # far is (a + b) / (sqrt(8) m): 1 m for m up to 1.08 kg, of which 0.9 are; the least cost is 6.4 m^2, and
+        # confirmed designs cost a little more.
+        self.assertTrue(1 < result["objectives"][0]["value"] / (6.4 * 1.08 ** 2) < 1.03, result["objectives"])
+        with open(self.folder / "few/history.csv", newline="", encoding="utf-8") as file:
+            flown = [int(row["samples"]) for row in csv.DictReader(file)]
+        self.assertEqual(set(flown[1:5]), {64})
+        first = flown.index(512, 1)
+        self.assertGreater(first, 8)
+        self.assertEqual(min(flown[first:]), 512)
+
     def write_campaign(self, samples, seed=1):
         (self.folder / "c.yaml").write_text(
             f"unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: {samples}\nseed: {seed}\n"

@@ -31,13 +31,14 @@ function flightOf(sample) {
 const unitOf = (item) => item.shown?.unit ?? item.unit;
 const valueOf = (item, value) => show(value === null || value === undefined ? null : value / (item.shown?.factor ?? 1));
 const limitsOf = (r) => [r.at_least !== null ? `≥ ${valueOf(r, r.at_least)}` : '', r.at_most !== null ? `≤ ${valueOf(r, r.at_most)}` : ''].filter(Boolean).join(', ');
-const boundsOf = (pair) => `${pair[0].toExponential(2)} … ${pair[1].toExponential(2)}`;
+const boundsOf = (pair) => (pair ? `${pair[0].toExponential(2)} … ${pair[1].toExponential(2)}` : '–');
 // Zero failures are good only where no sample is unresolved.
 const countFailed = (r) => make('span', r.failed, { class: r.failed > 0 ? 'bad' : r.unresolved > 0 ? '' : 'good' });
 const countBad = (n) => make('span', n, { class: n > 0 ? 'bad' : '' });
 
 // Tolerance limit of the side that has a limit: 99 % of all runs are beyond it, with 95 % confidence (Wilks).
 function toleranceOf(r) {
+  if (!r.tolerance) return '–';
   if (r.tolerance.without_value > 0) return `none: ${r.tolerance.without_value} without a value`;
   if (r.tolerance.lower === undefined) return `needs ${r.tolerance.samples_needed} values`;
   return [r.at_least !== null ? `≥ ${valueOf(r, r.tolerance.lower)}` : '', r.at_most !== null ? `≤ ${valueOf(r, r.tolerance.upper)}` : ''].filter(Boolean).join(', ');
@@ -52,10 +53,12 @@ else {
   const any = summary.any_requirement;
   const rows = summary.requirements.map((r) => [
     Object.assign(make('span', r.id), { title: r.text }), `${limitsOf(r)} ${unitOf(r)}`,
-    countFailed(r), countBad(r.unresolved), countBad(r.not_evaluated), boundsOf(r.probability),
+    countFailed(r), countBad(r.unresolved), countBad(r.not_evaluated), boundsOf(r.probability), valueOf(r, r.min), valueOf(r, r.max),
     ...['0.01', '0.05', '0.5', '0.95', '0.99'].map((p) => valueOf(r, r.quantiles[p])), toleranceOf(r)]);
-  if (any && rows.length > 1) rows.push(['any requirement', '', countFailed(any), countBad(any.unresolved), '', boundsOf(any.probability), '', '', '', '', '', '']);
-  fill('verdict', ['requirement', 'limit', 'failed', 'unresolved', 'missing', 'probability, 95 %', '1 %', '5 %', 'median', '95 %', '99 %', 'tolerance, 99 % / 95 %'], rows);
+  if (any && rows.length > 1) rows.push(['any requirement', '', countFailed(any), countBad(any.unresolved), '', boundsOf(any.probability), '', '', '', '', '', '', '', '']);
+  byId('basis').textContent = [summary.basis.text && `Sampling ${summary.basis.sampling}: ${summary.basis.text}.`,
+    ...summary.requirements.filter((r) => r.without_blow).map((r) => `The values of ${r.id} in ${r.without_blow} ${r.without_blow === 1 ? 'sample is' : 'samples are'} without the impulse of a blow through the joint.`)].filter(Boolean).join(' ');
+  fill('verdict', ['requirement', 'limit', 'failed', 'unresolved', 'missing', 'probability, 95 %', 'least', 'greatest', '1 %', '5 %', 'median', '95 %', '99 %', 'tolerance, 99 % / 95 %'], rows);
 }
 fill('orders', ['order of events', 'samples', 'first'], summary.orders.classes.slice(0, 8).map((c) => [c.order || 'no event', c.samples, c.first]));
 if (summary.orders.count > 8) byId('orders').append(make('p', `${summary.orders.count} different orders in all`, { class: 'dim' }));

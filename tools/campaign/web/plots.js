@@ -19,7 +19,8 @@ export function showDistribution() {
   const limits = requirement ? [requirement.at_least, requirement.at_most].filter((v) => v !== null) : [];
   const label = withUnit(quantity.name, quantity.unit);
   byId('moments').textContent = `${quantity.of.count} values, ${quantity.of.missing} missing; mean ${show(quantity.of.mean)}, standard deviation ${show(quantity.of.deviation)}, ` +
-    `1 % ${show(quantity.of.quantiles['0.01'])}, median ${show(quantity.of.quantiles['0.5'])}, 99 % ${show(quantity.of.quantiles['0.99'])} ${quantity.unit}`;
+    `${quantity.of.quantiles['0.5'] === null ? `least ${show(quantity.of.min)}, greatest ${show(quantity.of.max)}`
+      : `1 % ${show(quantity.of.quantiles['0.01'])}, median ${show(quantity.of.quantiles['0.5'])}, 99 % ${show(quantity.of.quantiles['0.99'])}`} ${quantity.unit}`;
   showTornado(quantity);
   showConvergence(requirement);
   if (!distribution) { message('histogram', 'No sample has this value.'); message('cdf', ''); return; }
@@ -56,10 +57,17 @@ function showTornado(quantity) {
   }
   if (sensitivity.sobol) {
     caption = "Sobol' indices: total (bar, with its interval) and first order (mark)";
-    bars = sensitivity.sobol.map((s) => ({ name: s.parameter, value: s.total, mark: s.first, interval: s.total_interval }));
+    bars = sensitivity.sobol.map((s) => ({ name: s.parameter, value: s.total, mark: s.first, interval: s.total_interval ?? undefined }));
+    if (sensitivity.sobol.some((s) => s.total !== null && !s.total_interval)) caption += '; too few blocks for intervals';
   } else if (sensitivity.morris) {
     caption = 'Elementary effects (Morris): mean size (bar), standard deviation (mark)';
     bars = sensitivity.morris.map((m) => ({ name: m.parameter, value: m.mean_size, mark: m.deviation }));
+  } else if (sensitivity.swings) {
+    caption = 'Range over the levels of each input, the others at their medians';
+    bars = sensitivity.swings.map((s) => ({ name: s.parameter, value: s.least === null ? null : s.greatest - s.least }));
+  } else if (sensitivity.grid_effects) {
+    caption = 'Part of the variance over the grid that each input explains alone';
+    bars = sensitivity.grid_effects.map((value, k) => ({ name: manifest.inputs[k].name, value }));
   } else {
     bars = sensitivity.first_order.map((s, k) => ({ name: manifest.inputs[k].name, value: s.index, interval: s.interval, rank: sensitivity.spearman[k] }));
     line = sensitivity.significant;
@@ -73,7 +81,7 @@ function showTornado(quantity) {
   bars = bars.filter((bar) => bar.value !== null).sort((a, b) => Math.abs(b.value) - Math.abs(a.value)).slice(0, 12);
   if (bars.length === 0) return message('tornado', 'Nothing varies.');
   // Indices are parts of 1: their scale is fixed, so that noise is not drawn as large as a driver.
-  const most = Math.max(...bars.map((b) => Math.max(Math.abs(b.value), b.mark || 0, b.interval ? b.interval[1] : 0)), sensitivity.morris ? 1e-300 : 1);
+  const most = Math.max(...bars.map((b) => Math.max(Math.abs(b.value), b.mark || 0, b.interval ? b.interval[1] : 0)), sensitivity.morris || sensitivity.swings ? 1e-300 : 1);
   const places = bars.map((_, k) => k), arrowOf = ({ rank }) => (rank === undefined || Math.abs(rank) < 0.1 ? '' : rank > 0 ? ' ↑' : ' ↓');
   const marked = bars.map((bar, k) => ({ ...bar, k })), intervals = marked.filter((bar) => bar.interval), marks = marked.filter((bar) => bar.mark !== undefined);
   plot('tornado', { height: 60 + 26 * bars.length, x: { label: '', range: [Math.min(0, ...bars.map((b) => b.value)), most] },
@@ -89,8 +97,8 @@ function showConvergence(requirement) {
   const shown = requirement || summary.requirements.slice().sort((a, b) => b.failed - a.failed)[0];
   if (!shown) return message('convergence', 'The scenario has no requirements.');
   const points = shown.convergence;
-  if (points.length === 0) return message('convergence', 'There are no samples.');
-  const column = (k) => points.map((point) => point[k]);
+  if (points.length === 0) return message('convergence', summary.basis.draws === null ? 'The samples are chosen points, without a probability.' : 'There are no samples.');
+  const column = (k) => points.map((point) => point[k]);  // the part is null where all are unresolved
   plot('convergence', { x: { label: 'samples', range: [0, points[points.length - 1][0]] },
     y: { label: `P(${shown.id} fails)`, range: [0, Math.min(1, Math.max(...points.slice(Math.floor(points.length / 4)).map((c) => c[3])))] }, layers: [
       { kind: 'band', name: 'bounds', colour: 'blue', alpha: 0.2, x: column(0), low: column(2), high: column(3) },
@@ -101,6 +109,8 @@ export const rareColumn = summary.rare && find(summary.rare.column);
 export const rareFails = (value) => value === null || (summary.rare.above ? value > summary.rare.limit : value < summary.rare.limit);
 const failedAt = (i) => (rareColumn && rareFails(rareColumn.values[i])) || summary.requirements.some((r) => { const margin = find(`${r.id}.margin`).values[i]; return margin === null || margin < 0; });
 
+const unresolved = new Set(data.unresolved), isOpen = (i) => unresolved.has(i);
+
 export function showScatter() {
   const a = quantities[byId('across').value], b = quantities[byId('up').value];
   const places = data.samples.map((_, i) => i).filter((i) => a.values[i] !== null && b.values[i] !== null);
@@ -108,7 +118,8 @@ export function showScatter() {
   const range = (values) => places.reduce(([low, high], i) => [Math.min(low, values[i]), Math.max(high, values[i])], [Infinity, -Infinity]);
   const layer = (name, colour, kept) => ({ kind: 'points', name, colour, size: 2.5, alpha: 0.6, kept, x: kept.map((i) => a.values[i]), y: kept.map((i) => b.values[i]) });
   plot('scatter', { height: 380, x: { label: withUnit(a.name, a.unit), range: range(a.values), pad: 0.03 }, y: { label: withUnit(b.name, b.unit), range: range(b.values), pad: 0.03 },
-    layers: [layer('met', 'blue', places.filter((i) => !failedAt(i))), layer('failed', 'red', places.filter(failedAt))],
+    layers: [layer('met', 'blue', places.filter((i) => !isOpen(i) && !failedAt(i))), layer('failed', 'red', places.filter((i) => !isOpen(i) && failedAt(i))),
+      ...(data.unresolved.length > 0 ? [layer('unresolved', 'dim', places.filter(isOpen))] : [])],
     pick: ({ kept }, k) => {
       const i = kept[k];
       byId('picked').replaceChildren(make('span', `Sample ${data.samples[i]}: ${a.name} ${show(a.values[i], 7)}, ${b.name} ${show(b.values[i], 7)} `), make('code', command(data.samples[i])));
@@ -116,7 +127,7 @@ export function showScatter() {
 }
 
 export function showEvents() {
-  const events = quantities.filter((q) => q.kind === 'event' && q.of.count > 0).sort((a, b) => a.of.quantiles['0.5'] - b.of.quantiles['0.5']);
+  const events = quantities.filter((q) => q.kind === 'event' && q.of.count > 0).sort((a, b) => a.of.min - b.of.min || a.of.max - b.of.max);
   const never = quantities.filter((q) => q.kind === 'event' && q.of.count === 0);
   byId('never').textContent = never.length > 0 && events.length > 0 ? `In no sample: ${never.map((e) => e.name.slice(6)).join(', ')}` : '';
   if (events.length === 0) return message('events', never.length > 0 ? 'None of the events came in any sample.' : 'The scenario has no events.');
@@ -124,8 +135,9 @@ export function showEvents() {
   plot('events', { height: 60 + 22 * events.length, x: { label: 't [s]', range: [Math.min(...events.map((e) => e.of.min)), Math.max(...events.map((e) => e.of.max))] },
     y: { label: '', range: [-0.6, events.length - 0.4], names: events.map((e) => e.name.slice(6)) }, layers: [
       { kind: 'rows', name: 'all', colour: 'dim', thick: 1, x: events.map((e) => e.of.max), y: places, from: events.map((e) => e.of.min) },
-      { kind: 'rows', name: 'most', colour: 'blue', thick: 8, x: quantile('0.95'), y: places, from: quantile('0.05') },
-      { kind: 'points', name: 'median', colour: 'red', size: 3.5, x: quantile('0.5'), y: places },
+      ...(events[0].of.quantiles['0.5'] === null ? [] : [
+        { kind: 'rows', name: 'most', colour: 'blue', thick: 8, x: quantile('0.95'), y: places, from: quantile('0.05') },
+        { kind: 'points', name: 'median', colour: 'red', size: 3.5, x: quantile('0.5'), y: places }]),
       ...events.flatMap((e, k) => (e.of.missing > 0 ? [{ kind: 'note', at: k, colour: 'dim', text: `${e.of.missing} without` }] : []))] });
 }
 
@@ -140,8 +152,9 @@ export function showCurve() {
   plot('bands', { height: 380, x: { label: 't [s]', range: [curve.times[0], curve.times[curve.times.length - 1]] },
     y: { label: withUnit(curve.name, curve.unit), range: [Math.min(...pick(curve.min)), Math.max(...pick(curve.max))] }, layers: [
       { kind: 'band', name: 'all', colour: 'blue', alpha: 0.15, x, low: pick(curve.min), high: pick(curve.max) },
-      { kind: 'band', name: 'most', colour: 'blue', alpha: 0.3, x, low: pick(curve['0.05']), high: pick(curve['0.95']) },
-      { kind: 'line', name: 'median', colour: 'blue', width: 2, x, y: pick(curve['0.5']) }] });
+      ...(pick(curve['0.5']).some((v) => v === null) ? [] : [
+        { kind: 'band', name: 'most', colour: 'blue', alpha: 0.3, x, low: pick(curve['0.05']), high: pick(curve['0.95']) },
+        { kind: 'line', name: 'median', colour: 'blue', width: 2, x, y: pick(curve['0.5']) }])] });
 }
 
 // Probabilities of smaller margins, on a logarithmic scale.

@@ -34,7 +34,7 @@ export function showCampaign(campaign, values) {
   byId('campaign-file').hidden = false;
   byId('campaign-text').textContent = campaign.campaign_text;
   byId('campaign-facts').textContent = `Campaign ${campaign.name}: ${campaign.samples} samples, ${campaign.sampling}, seed ${campaign.seed}, ` +
-    `${Object.entries(campaign.statuses).filter(([, n]) => n > 0).map(([name, n]) => `${n} ${name}`).join(', ')}; hash ${campaign.hash}, ${campaign.program}.`;
+    `${Object.entries(campaign.statuses).filter(([, n]) => n > 0).map(([name, n]) => `${n} ${name}`).join(', ')}; hash ${campaign.hash}, ${campaign.program}.${campaign.basis.text ? ` Sampling ${campaign.sampling}: ${campaign.basis.text}.` : ''}`;
   const select = byId('of');
   campaign.requirements.forEach((one, k) => select.append(make('option', one.id, { value: k })));
   if (campaign.requirements.length > 0) {

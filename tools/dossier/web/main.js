@@ -50,7 +50,7 @@ const verdict = (r) => {
 };
 const failed = (r) => {
   const cell = make('div', `${r.failed} failed, ${r.unresolved} unresolved`, { class: r.failed > 0 ? 'bad' : '' });
-  cell.append(make('div', `${r.probability[0].toExponential(2)} … ${r.probability[1].toExponential(2)}`, { class: 'dim' }));
+  cell.append(make('div', r.probability ? `${r.probability[0].toExponential(2)} … ${r.probability[1].toExponential(2)}` : 'chosen points, no probability', { class: 'dim' }));
   return cell;
 };
 const worst = (r) => {

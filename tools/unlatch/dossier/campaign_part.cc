@@ -95,14 +95,18 @@ Json build_campaign_part(const CampaignData& data, const std::string& command, E
                {"requirements", Json::array()}};
   for (const Json& one : summary.at("requirements"))
     json["requirements"].push_back(build_requirement(data, summary, one, command));
-  for (const char* part : {"any_requirement", "step", "rare"})
+  for (const char* part : {"any_requirement", "basis", "step", "rare"})
     if (summary.contains(part)) json[part] = summary.at(part);
   json["inputs"] = build_inputs(data, summary);
   json["campaign_text"] = data.manifest.at("campaign_text");
   const auto samples = summary.at("samples").get<long long>();
   evidence["uncertainty"].push_back(
       "Campaign " + summary.at("campaign").get<std::string>() + ": " + count(samples, "sample") + " of " +
-      count(json.at("inputs").size(), "dispersed input") + "; probabilities with bounds of 95 %.");
+      count(json.at("inputs").size(), "dispersed input") +
+      (summary.at("basis").at("draws").is_null() ? "" : "; probabilities with bounds of 95 %") + ".");
+  if (const std::string basis = summary.at("basis").at("text"); !basis.empty())
+    evidence["uncertainty"].push_back("Sampling " + data.manifest.at("sampling").get<std::string>() + ": " + basis +
+                                      ".");
   evidence["robustness"].push_back(
       "Sensitivities of every requirement to every dispersed input, from the same samples.");
   for (const Json& one : summary.at("requirements"))

@@ -95,7 +95,9 @@ std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePo
   return limits;
 }
 
-Quantity calc_expression(const OptimizeProblem& problem, const Objective& objective, const OptimizePoint& point) {
+namespace {
+
+Constants list_constants(const OptimizeProblem& problem, const OptimizePoint& point) {
   Constants constants;
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
     const OptimizeVariable& variable = problem.variables[i];
@@ -104,7 +106,30 @@ Quantity calc_expression(const OptimizeProblem& problem, const Objective& object
     for (std::size_t k = 0; k < variable.titles.size(); ++k)
       constants[variable.titles[k]] = variable.row_numbers.at(static_cast<std::size_t>(point[i]))[k];
   }
-  return evaluate_expression(objective.text, constants);
+  return constants;
+}
+
+}  // namespace
+
+Quantity calc_expression(const OptimizeProblem& problem, const Objective& objective, const OptimizePoint& point) {
+  return evaluate_expression(objective.text, list_constants(problem, point));
+}
+
+// The expression is one without the name, too, if it does not read it.
+bool reads_variable(const OptimizeProblem& problem, const std::string& text, const std::string& name) {
+  if (problem.evaluator->find(text)) return false;
+  const auto is_expression = [&](const Constants& constants) {
+    try {
+      (void)evaluate_expression(text, constants);
+      return true;
+    } catch (const ExpressionError&) {
+      return false;
+    }
+  };
+  Constants constants = list_constants(problem, get_start(problem));
+  if (!is_expression(constants)) return true;  // a mistake of its own, which is reported
+  constants.erase(name);
+  return !is_expression(constants);
 }
 
 }  // namespace unlatch::hil

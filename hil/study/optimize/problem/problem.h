@@ -130,5 +130,8 @@ double get_limit(const Requirement& requirement);
 std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePoint& point);
 // Value of an objective that is an expression of the variables. Throws ExpressionError.
 Quantity calc_expression(const OptimizeProblem& problem, const Objective& objective, const OptimizePoint& point);
+// True if an objective of this text reads the variable, or the column of a catalogue's rows: a column of the results
+// reads none, whatever words its name has.
+bool reads_variable(const OptimizeProblem& problem, const std::string& text, const std::string& name);
 
 }  // namespace unlatch::hil

@@ -170,9 +170,15 @@ class ProblemReader {
       for (std::size_t k = 0; k < variable.paths.size(); ++k) {
         std::string name = variable.name;
         if (!variable.columns.empty()) name = variable.titles.empty() ? "" : variable.titles.at(variable.columns[k]);
-        if (!name.empty() && is_unread(variable.paths[k]) && names_word(objectives, name))
+        if (!name.empty() && is_unread(variable.paths[k]) && names_variable(objectives, name))
           problem_.of_objectives.push_back(variable.paths[k]);
       }
+  }
+
+  // True if an expression among the objectives reads the variable.
+  bool names_variable(const YamlNode& node, const std::string& name) const {
+    if (node.is_scalar()) return variables_sound_ && reads_variable(problem_, node.text, name);
+    return std::ranges::any_of(node.items, [&](const YamlNode& item) { return names_variable(item, name); });
   }
 
   // Refuses a scenario whose flight software would have to take part.

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Facts about what the samples of a design say, and what they do not: probabilities, quantiles and tolerance limits are of
+draws from the distributions alone; each design has its own results; blows have columns of their own.
+
+    campaign_designs_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+
+import csv
+import json
+import math
+import statistics
+
+from browser import Browser
+from processes import UNLATCH, ProcessTest, main
+
+# A mass that flies at the speed v + w for five steps; base is at rest.
+BALL = """unlatch: 1
+name: ball
+step: {dt: 0.01, until: 0.05}
+constants: {v: 1 m/s, w: 1 m/s}
+bodies:
+  ball: {mass: 2, inertia: [1, 1, 1], velocity: [v + w, 0, 0]}
+  base: {mass: 1000, inertia: [9, 9, 9]}
+requirements:
+  - {id: fast, text: it is slow, velocity: {body: ball, relative_to: base}, at_most: 4}
+"""
+UNIFORM = "parameters:\n  v: {path: constants.v, uniform: {min: 0 m/s, max: 3 m/s}}\n  w: {path: constants.w, uniform: {min: 0 m/s, max: 2 m/s}}\n"
+
+
+class CampaignDesignsTest(ProcessTest):
+    def write(self, rest, scenario=BALL):
+        (self.folder / "ball.yaml").write_text(scenario)
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\n" + rest)
+        return path
+
+    def fly(self, rest, out, code=1, scenario=BALL):
+        """Summary, what was printed, and the table."""
+        done = self.run_ok(UNLATCH, "campaign", self.write(rest, scenario), "--out", self.folder / out, code=code)
+        with open(self.folder / out / "samples.csv", newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        return json.loads((self.folder / out / "summary.json").read_text()), done.stdout, table
+
+    def test_chosen_points_have_counts_and_no_probabilities_quantiles_or_limits(self):
+        for sampling, rest in (("morris", "samples: 300\n"), ("grid", "levels: 18\n"), ("one-at-a-time", "levels: 160\n")):
+            with self.subTest(sampling):
+                summary, said, table = self.fly(f"sampling: {sampling}\n{rest}{UNIFORM}", sampling, code=None)
+                self.assertGreater(len(table), 299)  # enough for a tolerance limit
+                values = [float(row["fast [m/s]"]) for row in table]
+                one, both = summary["requirements"][0], summary["any_requirement"]
+                failed = sum(value > 4 for value in values)
+                self.assertEqual((one["failed"], both["failed"]), (failed, failed))
+                self.assertEqual((one["min"], one["max"]), (min(values), max(values)))
+                for entry in (one, both):
+                    self.assertEqual((entry["estimate"], entry["probability"]), (None, None))
+                self.assertEqual((one["tolerance"], one["intervals"], one["convergence"]), (None, {}, []))
+                for entry in (one, *summary["columns"], *summary["inputs"]):
+                    self.assertEqual((set(entry["quantiles"].values()), entry["intervals"]), ({None}, {}), entry["name" if "name" in entry else "id"])
+                self.assertEqual(summary["basis"]["draws"], None)
+                note = f"samples of {sampling} are chosen, not drawn from the distributions"
+                self.assertIn(note, said)
+                for word in ("Clopper", "Wilks", "tolerance limits keep", "probability"):
+                    self.assertNotIn(word, said.replace("no probabilities", "").partition("Influences")[0].split("Requirements")[1])
+                with open(self.folder / sampling / "requirements.csv", newline="", encoding="utf-8") as file:
+                    for row in csv.DictReader(file):
+                        for key in ("probability", "bound low", "bound high", "quantile 0.5", "99 % are above", "99 % are below"):
+                            self.assertEqual(row[key], "", key)
+                review = (self.folder / sampling / "review.md").read_text()
+                self.assertIn(note, review)
+                self.assertNotIn("Clopper", review)
+                self.assertIn(note, self.run_ok(UNLATCH, "check", self.folder / "c.yaml").stdout)
+
+    def test_the_page_of_chosen_points_says_that_they_have_no_probability(self):
+        self.fly(f"sampling: grid\nlevels: 5\n{UNIFORM}", "grid")
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "grid", "--out", page, "--flights", "0")
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(page)
+        ask = browser.evaluate
+        heads = ask("[...document.querySelectorAll('#verdict th')].map((cell) => cell.textContent)")
+        cells = dict(zip(heads, ask("[...document.querySelectorAll('#verdict td')].map((cell) => cell.textContent)"), strict=True))
+        self.assertEqual([cells[key] for key in ("probability, 95 %", "median", "tolerance, 99 % / 95 %")], ["–"] * 3)
+        self.assertEqual(float(cells["least"]), 0.5)
+        self.assertIn("are chosen, not drawn", ask("document.getElementById('basis').textContent"))
+        self.assertIn("without a probability", ask("document.getElementById('convergence').textContent"))
+        self.assertIn("over the grid", ask("document.getElementById('tornado-caption').textContent"))
+        self.assertEqual(browser.complaints, [])
+
+    # Variances of v and w are 9/12 and 4/12 of their ranges' squares, of a grid and of draws alike.
+    def test_a_grid_and_one_at_a_time_have_results_of_their_own(self):
+        summary, said, _ = self.fly(f"sampling: grid\nlevels: 6\n{UNIFORM}", "grid")
+        effects = next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]["grid_effects"]
+        self.assertAlmostEqual(effects[0], 9 / 13, delta=1e-12)
+        self.assertAlmostEqual(effects[1], 4 / 13, delta=1e-12)
+        self.assertIn("over the grid by an input alone", said)
+        summary, said, _ = self.fly(f"sampling: one-at-a-time\nlevels: 6\n{UNIFORM}", "one", code=0)
+        sensitivity = next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]
+        for swing, name, middle, width in zip(sensitivity["swings"], "vw", (2.5, 2.5), (3, 2), strict=True):
+            self.assertEqual(swing["parameter"], name)
+            self.assertAlmostEqual(swing["least"], middle - width * 5 / 12, delta=1e-12)
+            self.assertAlmostEqual(swing["greatest"], middle + width * 5 / 12, delta=1e-12)
+        self.assertEqual(sensitivity["spearman"], [None, None])  # most samples are at the medians
+
+    def test_bounds_of_saltelli_are_those_of_its_independent_rows(self):
+        from scipy.stats import beta
+        summary, said, table = self.fly(f"sampling: saltelli\nsamples: 1600\n{UNIFORM}", "saltelli")
+        base = [float(row["fast [m/s]"]) for row in table if int(row["sample"]) % 4 < 2]
+        self.assertEqual(summary["basis"]["draws"], len(base))
+        one, failed, n = summary["requirements"][0], sum(value > 4 for value in base), len(base)
+        self.assertEqual(one["failed"], sum(float(row["fast [m/s]"]) > 4 for row in table))  # of all samples
+        self.assertAlmostEqual(one["estimate"], failed / n, delta=1e-15)
+        for entry in (one, summary["any_requirement"]):
+            self.assertAlmostEqual(entry["probability"][0], beta.ppf(0.025, failed, n - failed + 1), delta=1e-9)
+            self.assertAlmostEqual(entry["probability"][1], beta.ppf(0.975, failed + 1, n - failed), delta=1e-9)
+        self.assertAlmostEqual(one["quantiles"]["0.5"], statistics.median(base), delta=1e-12)
+        self.assertEqual(one["tolerance"]["upper"], sorted(base)[-4])  # rank 4 of 800: the fifth would need 913
+        column = next(c for c in summary["columns"] if c["name"] == "fast")
+        self.assertEqual(column["count"], n)
+        self.assertIn("of the first two samples of each block alone", said)
+        sobol = {entry["parameter"]: entry for entry in column["sensitivity"]["sobol"]}
+        for name, exact in (("v", 9 / 13), ("w", 4 / 13)):
+            for key in ("first_interval", "total_interval"):
+                self.assertTrue(sobol[name][key][0] <= exact <= sobol[name][key][1], sobol[name])
+
+    def test_few_blocks_of_saltelli_have_indices_without_intervals(self):
+        summary, _, _ = self.fly(f"sampling: saltelli\nsamples: 80\n{UNIFORM}", "few")
+        for entry in next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]["sobol"]:
+            self.assertTrue(math.isfinite(entry["total"]))
+            self.assertEqual((entry["first_interval"], entry["total_interval"]), (None, None))
+
+    def test_samples_that_are_draws_but_not_independent_are_said_to_be(self):
+        for sampling in ("latin-hypercube", "sobol", "random"):
+            summary, said, _ = self.fly(f"sampling: {sampling}\nsamples: 64\n{UNIFORM}", sampling)
+            dependent = sampling != "random"
+            self.assertEqual(summary["basis"]["independent"], not dependent)
+            for text in (said, (self.folder / sampling / "review.md").read_text()):
+                self.assertEqual("are not independent" in text and "not guaranteed" in text, dependent, sampling)
+
+    # An input without influence had an interval below 0 with a Sobol' sequence.
+    def test_intervals_of_indices_are_not_below_0(self):
+        still = BALL.replace("[v + w, 0, 0]", "[v, 0, 0]").replace("mass: 1000", "mass: 1 kg + w * 1 kg / (1 m/s)")
+        for seed in range(1, 7):
+            summary, _, _ = self.fly(f"sampling: sobol\nsamples: 256\nseed: {seed}\n{UNIFORM}", f"s{seed}", code=0, scenario=still)
+            v, w = next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]["first_order"]
+            self.assertTrue(w["interval"][0] == 0 < w["interval"][1], w)
+            self.assertTrue(v["interval"][1] == 1 or v["interval"][1] > 0.999, v)
+
+    # A requirement at an event that comes in part of the samples: the others have no value, and may not keep to a limit.
+    def test_samples_without_a_value_leave_no_tolerance_limit_for_all_runs(self):
+        late = BALL + "events: [{name: far, when: {position: {body: ball}, axis: x, above: 0.1 m}}]\n"
+        late = late.replace("relative_to: base}, at_most: 4", "relative_to: base}, at: far, at_most: 6")
+        summary, said, table = self.fly(f"samples: 400\n{UNIFORM}", "late", scenario=late)
+        missing = sum(row["fast [m/s]"] == "" for row in table)
+        self.assertTrue(100 < missing < 399, missing)  # v + w above 2 m/s gets there
+        one = summary["requirements"][0]
+        self.assertEqual((one["not_evaluated"], one["tolerance"]["without_value"]), (missing, missing))
+        self.assertNotIn("upper", one["tolerance"])
+        self.assertIn(f"none: {missing} samples without a value", said)
+
+    # An arm that locks, by a blow through the base's weld; sixty requirements on it, more than any message could name.
+    def test_each_value_without_a_blow_is_marked_in_a_column_and_on_the_page(self):
+        many = 60
+        arm = """unlatch: 1
+name: arm
+step: {dt: 1 ms, until: 0.15}
+constants: {w: 1 rad/s}
+bodies:
+  base: {mass: 1, inertia: [1, 1, 1]}
+  arm: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0], velocity: [0, w * 1 m / (1 rad), 0], rate: [0, 0, w]}
+joints:
+  root: {between: [ground, base], modes: {held: {kind: weld}}}
+  hinge: {between: [base, arm], follower_point: [-1, 0, 0], modes: {open: {kind: revolute, axis: z}, locked: {kind: weld}}, mode: open}
+events: [{name: lock, when: {angle: {joint: hinge, axis: z}, above: 0.1}, then: [{latch: {joint: hinge, mode: locked}}]}]
+requirements:
+""" + "".join(f"  - {{id: root-with-a-name-{k}, reaction: {{joint: root, row: force}}, at_most: {10 + k} N}}\n" for k in range(many))
+        rest = "sampling: grid\nparameters: {w: {path: constants.w, discrete: {values: [0.1 rad/s, 0.9 rad/s, 1 rad/s]}}}\n"
+        summary, said, table = self.fly(rest, "arm", code=0, scenario=arm)
+        self.assertEqual([one.get("without_blow") for one in summary["requirements"]], [2] * many)
+        self.assertEqual([[row[f"root-with-a-name-{k}.without_blow [s]"] == "" for row in table] for k in (0, many - 1)], [[True, False, False]] * 2)
+        # It locks at 0.1 rad: by the end of 0.15 s at 0.9 and 1 rad/s.
+        self.assertAlmostEqual(float(table[2]["root-with-a-name-0.without_blow [s]"]), 0.1, delta=1e-9)
+        self.assertEqual([row["message"] for row in table], [""] * 3)
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "arm", "--out", page, "--flights", "0")
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(page)
+        self.assertIn(f"The values of root-with-a-name-{many - 1} in 2 samples are without the impulse of a blow",
+                      browser.evaluate("document.getElementById('basis').textContent"))
+
+
+if __name__ == "__main__":
+    main()
