@@ -107,6 +107,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"samples", campaign.plan.samples},
                    {"seed", campaign.plan.seed},
                    {"levels", campaign.plan.levels},
+                   {"correlated", !campaign.correlations.empty()},
                    {"sampling", hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)]},
                    {"campaign_file", campaign.file},
                    {"campaign_text", campaign.text},

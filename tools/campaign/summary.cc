@@ -47,6 +47,8 @@ Json build_summary(const CampaignData& all) {
                       {"independent", hil::get_basis(sampling) == hil::SampleBasis::kIndependent},
                       {"draws", population ? Json(population->rows) : Json(nullptr)},
                       {"text", hil::describe_basis(sampling)}};
+  // Parts of a variance by correlated inputs overlap; those of a table may be correlated.
+  summary["correlated"] = data.manifest.value("correlated", false) || sampling == hil::Sampling::kCsv;
   const Json blows = count_blows(data);
   for (const Json& requirement : data.manifest.at("requirements")) {
     Json described = describe_requirement(data, population, requirement);

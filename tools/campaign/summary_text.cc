@@ -229,7 +229,9 @@ void print_influences(std::FILE* to, const Json& summary) {
     if (printed > kMost) text += ", and " + count(printed - kMost, "other input");
     if (text.empty()) text = "of no input distinct from chance";
     if (alone) text += format("; chance reaches %.2g", least);
-    if (alone && printed > 0 && sum < kExplained)
+    if (alone && printed > 1 && summary.at("correlated").get<bool>())
+      text += "; inputs may be correlated: their parts overlap and do not add up";
+    else if (alone && printed > 0 && sum < kExplained)
       text += format("; %.0f %% by none alone: inputs act together, or samples are few", 100 * (1 - sum));
     std::fprintf(to, "  %-16s %s\n", id.c_str(), text.c_str());
   }

@@ -141,12 +141,21 @@ bool is_prose(const std::string& key) {
   return std::ranges::find(kProse, key) != kProse.end();
 }
 
-// True if a text names it, but for those within `except`.
-bool names(const YamlNode& node, const std::string& name, const YamlNode& except) {
+// Keys whose texts are names of things, which are no expressions; arguments of templates may be both.
+bool is_name_of_thing(const std::string& key) {
+  static constexpr std::array kNames{"id", "joint", "body", "relative_to"};
+  return std::ranges::find(kNames, key) != kNames.end();
+}
+
+// True if a text names it, but for those within `except`. `arguments`: the node is within the use of a template.
+bool names(const YamlNode& node, const std::string& name, const YamlNode& except, bool arguments = false) {
   if (&node == &except) return false;
   if (node.is_scalar()) return contains(node.text, name);
-  for (std::size_t i = 0; i < node.items.size(); ++i)
-    if (!(node.is_mapping() && is_prose(node.keys[i].text)) && names(node.items[i], name, except)) return true;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::string key = node.is_mapping() ? node.keys[i].text : "";
+    if (is_prose(key) || (!arguments && is_name_of_thing(key))) continue;
+    if (names(node.items[i], name, except, arguments || key == "instances")) return true;
+  }
   return false;
 }
 

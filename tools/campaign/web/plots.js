@@ -73,7 +73,7 @@ function showTornado(quantity) {
     line = sensitivity.significant;
     const sum = bars.reduce((total, bar) => total + Math.max(0, bar.value || 0), 0);
     caption += ` (interval; right of the dashed line: not by chance, 95 %; ↑ and ↓: rank correlation beyond ±0.1). Sum ${show(sum, 2)}: ` +
-      (sum > 0.9 ? 'the inputs add up' : 'what is missing from 1 is interaction of inputs, or what happens at few values');
+      (summary.correlated ? 'inputs may be correlated, their parts overlap and do not add up' : sum > 0.9 ? 'the inputs add up' : 'what is missing from 1 is interaction of inputs, or what happens at few values');
   }
   const blocks = sensitivity.blocks;
   if (blocks && blocks.left_out > 0) caption += `; ${blocks.left_out} of ${blocks.used + blocks.left_out} blocks of the design left out, which lack a value`;

@@ -114,8 +114,9 @@ class OptimizeProgress {
   void show(const hil::OptimizeEvaluations& evaluations) {
     const std::vector<hil::OptimizeSample>& samples = evaluations.get_samples();
     if (!merit_) merit_.emplace(problem_, &samples.front());
-    for (; seen_ < samples.size(); ++seen_)
-      if (merit_->is_better(samples[seen_], samples[best_])) best_ = seen_;
+    for (; seen_ < samples.size(); ++seen_)  // designs are compared by the same samples
+      if (samples[seen_].demand != samples[best_].demand || merit_->is_better(samples[seen_], samples[best_]))
+        best_ = seen_;
     const auto runs = static_cast<std::int64_t>(samples.size());
     const std::int64_t tenth = 10 * runs / problem_.budget.runs;
     if (!terminal_ && tenth == shown_) return;
@@ -128,9 +129,11 @@ class OptimizeProgress {
     const auto made = static_cast<double>(std::max<std::int64_t>(1, runs - evaluations.get_taken()));
     double left = spent / made * static_cast<double>(problem_.budget.runs - runs);
     if (problem_.budget.seconds > 0) left = std::min(left, std::max(0.0, problem_.budget.seconds - spent));
-    std::fprintf(stderr, "%s%lld of at most %s, %s (run %zu), at most %.0f s left%s", terminal_ ? "\r\033[K" : "",
-                 static_cast<long long>(runs), count(std::max(runs, problem_.budget.runs), "run").c_str(), best.c_str(),
-                 best_ + 1, std::max(0.0, left), terminal_ ? "" : "\n");
+    const std::int64_t flights = samples[best_].demand.flights;
+    const std::string each = flights > 0 ? " of " + count(flights, "sample") : "";
+    std::fprintf(stderr, "%s%lld of at most %s%s, %s (run %zu), at most %.0f s left%s", terminal_ ? "\r\033[K" : "",
+                 static_cast<long long>(runs), count(std::max(runs, problem_.budget.runs), "run").c_str(), each.c_str(),
+                 best.c_str(), best_ + 1, std::max(0.0, left), terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
   void clear() const {
