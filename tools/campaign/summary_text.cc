@@ -151,7 +151,8 @@ const char* get_influence_heading(const Json& sensitivity) {
   if (sensitivity.contains("sobol"))
     return "Influences: Sobol' totals, parts of a value's variance that go with an input, alone or with others";
   if (sensitivity.contains("morris"))
-    return "Influences: mean sizes of elementary effects (Morris), in the value's SI unit for the range of an input";
+    return "Influences: mean sizes of elementary effects (Morris), in the value's SI unit for the middle 98 % of an "
+           "input";
   if (sensitivity.contains("swings"))
     return "Influences: ranges of a value over the levels of an input, the others at their medians, in its SI unit";
   if (sensitivity.contains("grid_effects"))
@@ -227,7 +228,10 @@ void print_influences(std::FILE* to, const Json& summary) {
       if (++printed <= kMost) text += (text.empty() ? "" : ", ") + one.text;
     }
     if (printed > kMost) text += ", and " + count(printed - kMost, "other input");
-    if (text.empty()) text = "of no input distinct from chance";
+    if (text.empty())
+      text = alone                                 ? "of no input distinct from chance"
+             : sensitivity.contains("first_order") ? "not estimated: fewer than 40 values"
+                                                   : "of no input";
     if (alone) text += format("; chance reaches %.2g", least);
     if (alone && printed > 1 && summary.at("correlated").get<bool>())
       text += "; inputs may be correlated: their parts overlap and do not add up";

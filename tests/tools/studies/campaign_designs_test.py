@@ -137,6 +137,13 @@ class CampaignDesignsTest(ProcessTest):
             for text in (said, (self.folder / sampling / "review.md").read_text()):
                 self.assertEqual("are not independent" in text and "not guaranteed" in text, dependent, sampling)
 
+    # Where nothing was estimated, no input was "distinct from chance".
+    def test_influences_of_few_values_are_not_estimated_and_are_said_to_be(self):
+        for samples in (39, 40):
+            _, said, _ = self.fly(f"samples: {samples}\n{UNIFORM}", f"n{samples}", code=None)
+            self.assertEqual("not estimated: fewer than 40 values" in said, samples < 40, said)
+            self.assertNotIn("distinct from chance", said)
+
     # An input without influence had an interval below 0 with a Sobol' sequence.
     def test_intervals_of_indices_are_not_below_0(self):
         still = BALL.replace("[v + w, 0, 0]", "[v, 0, 0]").replace("mass: 1000", "mass: 1 kg + w * 1 kg / (1 m/s)")
