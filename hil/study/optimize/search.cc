@@ -17,6 +17,7 @@
 namespace unlatch::hil {
 namespace {
 
+constexpr double kForCoarse = 0.25;   // part of the budget's seconds, for a first search with few samples
 constexpr double kForPolish = 0.25;   // part of the budget, after a global search
 constexpr double kForFeasible = 0.5;  // part of the remaining budget, for a phase that searches a first feasible point
 constexpr double kAgainst = 0.99;     // relative to the largest violation: such constraints limit it together
@@ -125,10 +126,13 @@ class Search {
     evaluations_.set_demand({flights, demand.parts});
     std::vector<std::int64_t> first;
     const bool flown = evaluations_.evaluate({get_start(problem_)}, first);
+    const double seconds = problem_.budget.seconds;
     if (flown) {
       whole_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
+      evaluations_.set_deadline(kForCoarse * seconds);
       look();
     }
+    evaluations_.set_deadline((1 - kForCoarse) * seconds);
     const OptimizePoint from = get_best().point;
     evaluations_.set_demand(demand);
     if (!flown || evaluations_.was_stopped() || !search_again(from)) {
