@@ -34,10 +34,32 @@ class CallCosts {
 
 // Parts of a plan that decide what is called at all.
 struct Features {
-  bool rigid, loops, laws, contacts, angles, stage_angles, commanded;
+  bool rigid, loops, laws, contacts, angles, stage_angles, commanded_loads, commanded_events, compliant, jumps;
   double sweeps;        // solutions with friction, beside the first
+  double rigid_rows;    // of rigid contacts, at most
   double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
 };
+
+// Some action may change velocities: an impulse, or a mode with a row that another mode of its joint lacks.
+bool may_jump(const PlanData& plan) {
+  return std::any_of(plan.actions.begin(), plan.actions.end(), [&](const Action& action) {
+    if (action.kind == Action::Kind::kImpulse) return true;
+    if (action.kind != Action::Kind::kSetMode) return false;
+    const RowSet rows = plan.get_rows(action.subject, action.mode);
+    const std::int32_t first = plan.joints[at(action.subject)].first_mode;
+    auto end = static_cast<std::int32_t>(plan.modes.size());
+    for (const PlanJoint& joint : plan.joints)
+      if (joint.first_mode > first) end = std::min(end, joint.first_mode);
+    return std::any_of(plan.modes.begin() + first, plan.modes.begin() + end,
+                       [&](RowSet other) { return (rows & ~other) != 0; });
+  });
+}
+
+// Some integration may be ROS2: kernel/elements/compliance.h.
+bool may_be_stiff(const PlanData& plan) {
+  const auto is_implicit = [](const PlanFlexible& body) { return body.implicit; };
+  return !plan.compliant.empty() || std::any_of(plan.flexible.begin(), plan.flexible.end(), is_implicit);
+}
 
 Features get_features(const PlanData& plan, const cost::Work& driven) {
   return {.rigid = plan.rigid,
@@ -46,8 +68,12 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .contacts = !plan.contacts.empty(),
           .angles = plan.rotation_count > 0,
           .stage_angles = driven[cost::Unit::kAngleEights] > 0,
-          .commanded = plan.commanded_loads || plan.commanded_events,
+          .commanded_loads = plan.commanded_loads,
+          .commanded_events = plan.commanded_events,
+          .compliant = may_be_stiff(plan),
+          .jumps = may_jump(plan),
           .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
+          .rigid_rows = driven[cost::Unit::kRigidRows],
           .contact_rows = driven[cost::Unit::kContactRows]};
 }
 
@@ -59,51 +85,51 @@ class RowCost {
   RowCost(const CallCosts& costs, const Features& features) : costs_(costs), features_(features) {}
 
   // Frames of joints and what they prescribe; of loops too.
-  void add_joints(double calls, Primitive of_tree = Primitive::kJoints) {
+  void add_joints(Primitive of_tree, double calls = 1) {
     row_.bodies += calls * (costs_[of_tree] + (features_.loops ? costs_[Primitive::kLoopJoints] : 0));
   }
-  void add_kinematics(double calls) { row_.bodies += calls * costs_[Primitive::kKinematics]; }
-  void add_motion(double calls) { row_.bodies += calls * costs_[Primitive::kMotion]; }
+  void add_bodies(Primitive primitive, double calls = 1) { row_.bodies += calls * costs_[primitive]; }
   void add_loads(double calls) { row_.forces += calls * costs_[Primitive::kLoads]; }
-  void add_laws(double calls) { row_.forces += features_.laws ? calls * costs_[Primitive::kLaws] : 0; }
+  void add_other_laws() { row_.forces += features_.laws ? costs_[Primitive::kOtherLaws] : 0; }
   // Forces and accelerations at one instant: integrator.cc, solve_dynamics(). Stages find no multipliers, and so split
   // none, but for friction.
   void add_dynamics(double calls, Place of) {
     const bool stage = of == Place::kStage;
-    const double sweeps = 1 + features_.sweeps, splits = stage && features_.sweeps == 0 ? 0 : sweeps;
     const auto coordinates = [&](Primitive primitive) {
       return stage ? costs_.in_stage(primitive) : costs_[primitive];
     };
     row_.forces += calls * coordinates(Primitive::kCoordinates);
-    if (stage ? features_.stage_angles : features_.angles) row_.forces += calls * 2 * coordinates(Primitive::kAngles);
-    add_forces(calls);
-    row_.solver += calls * (costs_[Primitive::kFactor] + features_.sweeps * costs_[Primitive::kSolve]);
-    if (features_.loops) row_.solver += calls * splits * costs_[Primitive::kSplit];
+    if (stage ? features_.stage_angles : features_.angles)
+      row_.forces += calls * (coordinates(Primitive::kAngles) + coordinates(Primitive::kUnwind));
+    const bool reactions = !stage || features_.sweeps > 0;
+    add_solution(calls, reactions ? Primitive::kFactor : Primitive::kFactorStage, reactions);
   }
   // Likewise with the factor that is there: evaluate_commands().
-  void add_commands() {
-    add_forces(1);
-    row_.solver +=
-        (1 + features_.sweeps) * (costs_[Primitive::kSolve] + (features_.loops ? costs_[Primitive::kSplit] : 0));
-  }
-  void add_solver(double factors, double solutions) {
-    row_.solver += factors * costs_[Primitive::kFactor] + solutions * costs_[Primitive::kSolve];
+  void add_commands() { add_solution(1, Primitive::kSolve, true); }
+  // Solutions with the factor that is there, and what rigid contacts add to each solution.
+  void add_solver(Primitive primitive, double calls) { row_.solver += calls * costs_[primitive]; }
+  void add_rigid_rows(double calls) {
+    if (features_.rigid_rows == 0) return;
+    row_.solver += calls * (costs_[Primitive::kRigidRows] + (features_.rigid_rows + 1) * costs_[Primitive::kSolve]);
   }
   void add(Primitive primitive, double calls = 1) { row_.rest += calls * costs_[primitive]; }
-
-  // Of elements and laws, with each sweep of friction.
-  void add_forces(double calls) {
-    const double sweeps = 1 + features_.sweeps;
-    row_.forces += calls * (sweeps * (costs_[Primitive::kOwnForces] + costs_[Primitive::kForces]) +
-                            features_.sweeps * costs_[Primitive::kFriction]);
-    add_laws(calls);
-  }
 
   CostRow repeat(const char* phase, double calls) const {
     return {phase, calls, calls * row_.bodies, calls * row_.forces, calls * row_.solver, calls * row_.rest};
   }
 
  private:
+  // Of elements and laws; `solver`: of the first solution, those of friction follow.
+  void add_solution(double calls, Primitive solver, bool reactions) {
+    const double sweeps = features_.sweeps;
+    row_.forces += calls * ((1 + sweeps) * (costs_[Primitive::kOwnForces] + costs_[Primitive::kForces]) +
+                            sweeps * costs_[Primitive::kFriction]);
+    if (features_.laws) row_.forces += calls * costs_[Primitive::kLaws];
+    row_.solver += calls * (costs_[solver] + sweeps * costs_[Primitive::kSolve]);
+    if (features_.loops && reactions) row_.solver += calls * (1 + sweeps) * costs_[Primitive::kSplit];
+    add_rigid_rows(calls * (1 + sweeps));
+  }
+
   const CallCosts& costs_;
   const Features& features_;
   CostRow row_{};
@@ -111,13 +137,24 @@ class RowCost {
 
 // evaluate(): of a new state, of velocities alone, of modes alone.
 void add_evaluation(RowCost& row, Changed changed) {
-  const bool whole = changed != Changed::kVelocities;
-  row.add(whole ? Primitive::kEvaluate : Primitive::kEvaluateEnd);
-  row.add_joints(1, whole ? Primitive::kJoints : Primitive::kJointVelocities);
-  if (changed == Changed::kState) row.add_kinematics(1);
-  if (whole) row.add_loads(1);
+  if (changed == Changed::kVelocities) {
+    row.add(Primitive::kEvaluateEnd);
+    row.add_joints(Primitive::kJointVelocities);
+  } else {
+    row.add(changed == Changed::kState ? Primitive::kEvaluate : Primitive::kEvaluateModes);
+    row.add_joints(Primitive::kJoints);
+    if (changed == Changed::kState) row.add_bodies(Primitive::kKinematics);
+    row.add_loads(1);
+  }
   row.add_dynamics(1, Place::kEnd);
-  row.add_laws(1);
+  row.add_other_laws();
+}
+// evaluate() of new commands.
+void add_new_commands(RowCost& row) {
+  row.add(Primitive::kEvaluateNew);
+  row.add_loads(1);
+  row.add_commands();
+  row.add_other_laws();
 }
 
 class Rows {
@@ -127,6 +164,7 @@ class Rows {
 
   std::vector<CostRow> list() const {
     std::vector<CostRow> rows = {calc_begin(), calc_stages(), calc_projections(), calc_ends()};
+    if (limits_.tries > limits_.sub_steps) rows.push_back(calc_searches());
     if (limits_.rounds > 0) rows.push_back(calc_rounds());
     if (limits_.waits > 0) rows.push_back(calc_waits());
     rows.push_back(calc_sub_steps());
@@ -143,55 +181,89 @@ class Rows {
     row.add(Primitive::kRearm);
     row.add(Primitive::kAct);
     if (limits_.follows) {
-      if (!features_.commanded) return row.repeat("beginning", 1);
-      row.add(Primitive::kEvaluateEnd);
-      row.add_loads(1);
-      row.add_commands();
-      row.add_laws(1);
-    } else {
-      add_evaluation(row, Changed::kState);
+      if (features_.commanded_loads) add_new_commands(row);
+      if (features_.commanded_events) row.add(Primitive::kGuards);
+      return row.repeat("beginning, with new commands", 1);
     }
+    row.add(Primitive::kFirstStep);
+    add_evaluation(row, Changed::kState);
     row.add(Primitive::kGuards);
-    return row.repeat(limits_.follows ? "new commands at the beginning" : "evaluation at the beginning", 1);
+    return row.repeat("evaluation at the beginning", 1);
   }
-  // RK4; ROS2 has two stages, and less of everything. ROS34PW2 has one more time of loads, and moves bodies itself.
+  // RK4. ROS2 has two stages; ROS34PW2 has one more time of loads, and moves bodies itself.
   CostRow calc_stages() const {
     RowCost row = begin();
     row.add(Primitive::kIntegrate);
     const bool implicit = features_.contact_rows > 0;
-    row.add_kinematics((features_.rigid ? 0 : 3) + (implicit ? ContactStages::kCount : 0));
+    row.add_bodies(Primitive::kKinematics, (features_.rigid ? 0 : 3) + (implicit ? ContactStages::kCount : 0));
     row.add_loads(implicit ? 3 : 2);
-    row.add_joints(3);
+    row.add_joints(Primitive::kJoints, 3);
     row.add_dynamics(3, Place::kStage);
-    row.add_motion(4);
+    const double explicitly =
+        costs_[Primitive::kFirstStage] + 2 * costs_[Primitive::kStage] + costs_[Primitive::kLastStage];
+    const double implicitly = 3 * costs_[Primitive::kImplicitStage];
+    if (features_.compliant && implicitly > explicitly) {
+      row.add_bodies(Primitive::kImplicitStage, 3);
+    } else {
+      row.add_bodies(Primitive::kFirstStage);
+      row.add_bodies(Primitive::kStage, 2);
+      row.add_bodies(Primitive::kLastStage);
+    }
     return row.repeat("integrations: stages", to_double(limits_.tries));
   }
   CostRow calc_projections() const {
     RowCost row = begin();
-    row.add_joints(2);
-    row.add_solver(1, 1);
-    row.add_motion(2);
-    if (!features_.rigid) row.add_kinematics(3);
+    row.add_joints(Primitive::kJointPlaces);
+    row.add_joints(Primitive::kJointSpeeds);
+    row.add_solver(Primitive::kFactorRest, 1);
+    row.add_solver(Primitive::kSolveRest, 1);
+    row.add_rigid_rows(2);
+    row.add_bodies(Primitive::kMovePlaces);
+    row.add_bodies(Primitive::kMoveSpeeds);
+    if (!features_.rigid) {
+      row.add_bodies(Primitive::kKinematics, 2);
+      row.add_bodies(Primitive::kVelocities);
+    }
     return row.repeat("integrations: projections", to_double(limits_.tries));
   }
   CostRow calc_ends() const {
     RowCost row = begin();
     add_evaluation(row, Changed::kVelocities);
     row.add(Primitive::kGuards);
-    row.add(Primitive::kSearch);
-    return row.repeat("integrations: end, guards, search", to_double(limits_.tries));
+    return row.repeat("integrations: end, guards", to_double(limits_.tries));
+  }
+  CostRow calc_searches() const {
+    RowCost row = begin();
+    row.add(Primitive::kTry);
+    return row.repeat("searches", to_double(limits_.tries - limits_.sub_steps));
   }
   CostRow calc_rounds() const {
     RowCost row = begin();
     add_evaluation(row, Changed::kModes);
     row.add(Primitive::kGuards);
     row.add(Primitive::kRound);
-    row.add(Primitive::kImpulse);
-    row.add_joints(1);
-    row.add_solver(1, 0);
-    row.add_motion(1);
-    row.add_kinematics(1);
+    if (features_.jumps) {
+      row.add(Primitive::kImpulse);
+      row.add_joints(Primitive::kJointSpeeds);
+      row.add_solver(Primitive::kFactor, 1);
+      row.add_bodies(Primitive::kMoveSpeeds);
+      row.add_bodies(Primitive::kVelocities);
+    }
+    if (features_.rigid_rows > 0) add_blow(row);
     return row.repeat("events and impulses", to_double(limits_.rounds));
+  }
+  // The impulse of rigid contacts, or what is left of slips: strike_rigid_pairs(), stop_rigid_slips().
+  void add_blow(RowCost& row) const {
+    row.add(costs_[Primitive::kRigidStrike] > costs_[Primitive::kRigidStop] ? Primitive::kRigidStrike
+                                                                            : Primitive::kRigidStop);
+    row.add(Primitive::kImpulse);
+    row.add(Primitive::kRearm);
+    row.add_joints(Primitive::kJointSpeeds, 2);
+    row.add_solver(Primitive::kFactorRest, 1);
+    row.add_solver(Primitive::kSolve, features_.rigid_rows);
+    row.add_solver(Primitive::kFactor, 1);
+    row.add_bodies(Primitive::kMoveSpeeds);
+    row.add_bodies(Primitive::kVelocities);
   }
   CostRow calc_waits() const {
     RowCost row = begin();
@@ -200,15 +272,22 @@ class Rows {
   }
   CostRow calc_sub_steps() const {
     RowCost row = begin();
-    row.add_motion(1);  // begin_substep()
+    row.add_bodies(Primitive::kBegin);
+    row.add(Primitive::kSearch);
     row.add(Primitive::kStore);
-    row.add(Primitive::kRearm, 2);
+    row.add(Primitive::kRearm);
+    row.add(Primitive::kNextDue);
     row.add(Primitive::kAct);
     row.add(Primitive::kStep);
     if (features_.contacts) row.add(Primitive::kParts);
     if (features_.contact_rows > 0) {
       row.add(Primitive::kContactRows);
-      row.add_solver(0, features_.contact_rows);
+      row.add_solver(Primitive::kSolve, features_.contact_rows);
+    }
+    if (features_.rigid_rows > 0) {  // begin_slips()
+      row.add(Primitive::kRigidSlips);
+      row.add(Primitive::kGuards);
+      add_new_commands(row);
     }
     return row.repeat("sub-steps", to_double(limits_.sub_steps));
   }
@@ -243,6 +322,18 @@ EventCounts count_events(const PlanData& plan) {
   return counts;
 }
 
+// Rounds at one instant that rigid contacts add, with the one that finds that there are too many.
+std::int64_t count_round_limit(const PlanData& plan) {
+  if (plan.rigid_pairs == 0) return 0;
+  return calc_rigid_rounds(plan.rigid_pairs, (count_rigid_rows(plan) - plan.rigid_pairs) / 2) + 1;
+}
+
+// Rounds of events of which a StepReport has room for the audits.
+std::int64_t count_audits(const PlanData& plan) {
+  return static_cast<std::int64_t>((plan.events.size() + plan.contact_pairs.size()) *
+                                   (static_cast<std::size_t>(plan.options.max_splits) + 2));
+}
+
 }  // namespace
 
 StepLimits calc_step_limits(const Plan& owner) noexcept {
@@ -265,22 +356,28 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
                     features * kMostFeatureTries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;
-  // At one instant an event acts or begins to wait once, and a pair changes twice.
-  limits.rounds = events.once + (1 + limits.splits) * (events.repeating + 2 * pairs);
+  // At one instant an event acts or begins to wait once, and a pair changes twice; of rigid contacts as often as
+  // act_in_rounds() allows.
+  limits.rounds = events.once + (1 + limits.splits) * (events.repeating + 2 * pairs + count_round_limit(plan));
   limits.waits = events.delayed + (events.repeating > 0 ? limits.splits : 0);
   return limits;
 }
 
-StepLimits get_counted_limits(const Plan& plan, std::int64_t integrations, std::int64_t rounds) noexcept {
-  const StepLimits most = calc_step_limits(plan);
+StepLimits get_counted_limits(const Plan& owner, std::int64_t integrations, std::int64_t rounds) noexcept {
+  const PlanData& plan = get_data(owner);
+  const StepLimits most = calc_step_limits(owner);
+  const bool all_audited = plan.rigid_pairs == 0 || rounds < count_audits(plan);
   StepLimits limits;
-  limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
-  limits.tries = integrations;
-  limits.searches = integrations - limits.sub_steps;
-  limits.rounds = rounds;
   // These have no audit. Whoever crosses zero is located by two tries at least, after the one that showed it.
   constexpr std::int64_t kLeast = 3;
-  limits.waits = std::min(most.waits, integrations / kLeast + count_events(get_data(plan)).delayed_by_time);
+  limits.waits = std::min(most.waits, integrations / kLeast + count_events(plan).delayed_by_time);
+  // Where nothing else splits a step, each split has a round.
+  const bool by_events = plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits;
+  limits.parts = limits.sub_steps =
+      std::min({integrations, most.sub_steps, by_events ? 1 + rounds + limits.waits : integrations});
+  limits.tries = integrations;
+  limits.searches = integrations - limits.sub_steps;
+  limits.rounds = all_audited ? rounds : most.rounds;
   limits.follows = true;
   return limits;
 }

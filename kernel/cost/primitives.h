@@ -9,44 +9,72 @@
 namespace unlatch::cost {
 
 enum class Primitive : std::int32_t {
-  kFactor,           // factor_and_solve()
-  kSolve,            // solve(), with a factor that is there
+  kFactor,           // factor_and_solve(), with reactions
+  kFactorStage,      // without
+  kFactorRest,       // of projections: without forces
+  kSolve,            // solve(), with a factor that is there, and with reactions
+  kSolveRest,        // of projections
   kSplit,            // reactions of redundant rows
-  kJoints,           // update_joints()
+  kJoints,           // update_joints(), of accelerations
+  kJointPlaces,      // of places
+  kJointSpeeds,      // of velocities
   kJointVelocities,  // update_joint_velocities()
   kLoopJoints,       // update_non_tree_joints()
-  kKinematics,       // update_kinematics(), update_angular_velocities()
-  kMotion,           // the stages, and the projections' changes
+  kKinematics,       // update_kinematics()
+  kVelocities,       // update_angular_velocities()
+  kBegin,            // the motion's begin_substep()
+  kFirstStage,       // begin_stages()
+  kStage,            // advance_stage()
+  kLastStage,        // finish_stages()
+  kImplicitStage,    // of ROS2: restart(), finish_first_stage(), finish_second_stage()
+  kMovePlaces,       // add_displacements()
+  kMoveSpeeds,       // add_velocities()
   kOwnForces,        // init_forces()
   kForces,           // add_forces()
   kLoads,            // update_loads()
-  kLaws,             // update_driving_laws(), update_other_laws(), update_law_loads()
+  kLaws,             // update_driving_laws(), with update_law_loads()
+  kOtherLaws,        // update_other_laws()
   kCoordinates,      // measure_coordinates()
-  kAngles,           // update_angles(), unwind_angles()
+  kAngles,           // update_angles()
+  kUnwind,           // unwind_angles()
   kFriction,         // update_friction()
-  kEvaluate,         // evaluate() of a new state or of new modes
-  kEvaluateEnd,      // evaluate() of new velocities, or of new commands
+  kEvaluate,         // evaluate() of a new state
+  kEvaluateModes,    // of new modes
+  kEvaluateEnd,      // of new velocities
+  kEvaluateNew,      // of new commands
   kIntegrate,        // integrate()
   kImpulse,          // apply_impulse()
   kGuards,           // update_guards()
   kReadings,         // update_readings()
   kParts,            // choose_contact_parts()
   kContactRows,      // begin_contact_rows()
-  kSearch,           // advance_to_event(), per integration
+  kRigidRows,        // solve_rigid_rows()
+  kRigidStrike,      // strike_rigid_pairs()
+  kRigidStop,        // stop_rigid_slips()
+  kRigidSlips,       // begin_slips()
+  kSearch,           // advance_to_event(), with one integration
+  kTry,              // with more, for each beside the first
   kStore,            // store_substep()
-  kRearm,            // rearm(), calc_next_due()
+  kRearm,            // rearm()
+  kNextDue,          // calc_next_due()
   kAct,              // act(), where nothing is due
   kRound,            // act() where something is due, per round of events
   kStep,             // step(), per sub-step
+  kFirstStep,        // likewise, of a state that no step has ended with
   kCount,
 };
 inline constexpr std::size_t kPrimitives = static_cast<std::size_t>(Primitive::kCount);
 inline constexpr std::array<const char*, kPrimitives> kPrimitiveNames = {
-    "factor",      "solve",        "split",        "joints",     "joint_velocities",
-    "loop_joints", "kinematics",   "motion",       "own_forces", "forces",
-    "loads",       "laws",         "coordinates",  "angles",     "friction",
-    "evaluate",    "evaluate_end", "integrate",    "impulse",    "guards",
-    "readings",    "parts",        "contact_rows", "search",     "store",
-    "rearm",       "act",          "round",        "step"};
+    "factor",         "factor_stage", "factor_rest",    "solve",        "solve_rest",
+    "split",          "joints",       "joint_places",   "joint_speeds", "joint_velocities",
+    "loop_joints",    "kinematics",   "velocities",     "begin",        "first_stage",
+    "stage",          "last_stage",   "implicit_stage", "move_places",  "move_speeds",
+    "own_forces",     "forces",       "loads",          "laws",         "other_laws",
+    "coordinates",    "angles",       "unwind",         "friction",     "evaluate",
+    "evaluate_modes", "evaluate_end", "evaluate_new",   "integrate",    "impulse",
+    "guards",         "readings",     "parts",          "contact_rows", "rigid_rows",
+    "rigid_strike",   "rigid_stop",   "rigid_slips",    "search",       "try",
+    "store",          "rearm",        "next_due",       "act",          "round",
+    "step",           "first_step"};
 
 }  // namespace unlatch::cost

@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "kernel/elements/kinds/contact/contact_parts.h"
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/geometry/compiled_shape.h"
 #include "kernel/integration/contact_stages.h"
@@ -14,121 +16,123 @@
 
 namespace unlatch::cost {
 
-const std::array<const char*, kUnits> kUnitNames = {
-    "one",
-    "bodies 1",
-    "bodies 2",
-    "bodies 4",
-    "joints 1",
-    "joints 2",
-    "joints 4",
-    "leaves 1",
-    "leaves 2",
-    "leaves 4",
-    "inner 1",
-    "inner 2",
-    "inner 4",
-    "central",
-    "loaded",
-    "own rotation axes",
-    "universal",
-    "base child",
-    "gather",
-    "siblings",
-    "carried axes",
-    "joint freedoms",
-    "freedoms",
-    "freedom pairs",
-    "by rows",
-    "rows",
-    "row pairs",
-    "pivots",
-    "end siblings",
-    "inner freedoms",
-    "inner by rows",
-    "inner rows",
-    "body count",
-    "joint count",
-    "state words",
-    "carried places",
-    "filled lanes",
-    "loops",
-    "loop rows",
-    "loop nodes",
-    "loop products",
-    "loop slots",
-    "loop links",
-    "loop solutions",
-    "split rows",
-    "split products",
-    "flexible",
-    "modes",
-    "mode squares",
-    "mode cubes",
-    "markers",
-    "marker modes",
-    "marker mode squares",
-    "varying",
-    "varying knots",
-    "loads",
-    "exponentials",
-    "harmonics",
-    "load tables",
-    "apart loads",
-    "law loads",
-    "point springs",
-    "joint springs",
-    "plane torsions",
-    "one sided",
-    "one sided tables",
-    "cords",
-    "frictions",
-    "aerodynamics",
-    "aero terms",
-    "compliant",
-    "displacements",
-    "angles",
-    "universal angles",
-    "angle eights",
-    "planet bodies",
-    "contacts",
-    "round pairs",
-    "convex pairs",
-    "hollow pairs",
-    "contact rows",
-    "contact row pairs",
-    "contact row cubes",
-    "contact row bodies",
-    "pairs of rigid contacts",
-    "law steps",
-    "law functions",
-    "table axes",
-    "table values",
-    "corners",
-    "branches",
-    "events",
-    "timed events",
-    "conditions",
-    "reaches",
-    "distances",
-    "actions",
-    "impulses",
-    "guards",
-    "body quantities",
-    "attitude quantities",
-    "joint quantities",
-    "element quantities",
-    "contact quantities",
-    "plain quantities",
-    "flight quantities",
-    "air quantities",
-    "sensors",
-};
-
 namespace {
 
 // Passes by the lanes of their pack: the unit for one lane, and behind it those for two and for more.
 Unit by_lanes(Unit one, int pack) { return static_cast<Unit>(static_cast<int>(one) + std::min(pack / 2, 2)); }
+
+// --- Modes of joints, as the solver sees them ------------------------------------------------------------------------
+
+// What an event does to a joint or an element, in the order of the actions.
+struct Change {
+  std::size_t event;
+  Action::Kind kind;
+  double value, duration;
+  bool operator==(const Change&) const = default;
+};
+// Whatever has equal ones is in equal states at all times.
+struct Course {
+  std::vector<double> begin;
+  std::vector<Change> changes;
+  bool operator==(const Course&) const = default;
+};
+
+template <class Is>
+std::vector<Change> list_changes(const PlanData& plan, const Is& is) {
+  std::vector<Change> changes;
+  for (std::size_t e = 0; e < plan.events.size(); ++e)
+    for (std::int32_t i = 0; i < plan.events[e].action_count; ++i) {
+      const Action& action = plan.actions[at(plan.events[e].first_action + i)];
+      if (!is(action)) continue;
+      const double value = action.kind == Action::Kind::kSetMode ? action.mode : action.value;
+      changes.push_back({e, action.kind, value, action.duration});
+    }
+  return changes;
+}
+
+std::size_t count_modes(const PlanData& plan, int joint) {
+  const std::int32_t first = plan.joints[at(joint)].first_mode;
+  std::int32_t end = static_cast<std::int32_t>(plan.modes.size());
+  for (const PlanJoint& other : plan.joints)
+    if (other.first_mode > first) end = std::min(end, other.first_mode);
+  return at(end - first);
+}
+
+Course get_course(const PlanData& plan, int joint) {
+  Course course;
+  course.begin.push_back(plan.joints[at(joint)].mode);
+  for (std::size_t m = 0; m < count_modes(plan, joint); ++m)
+    course.begin.push_back(plan.get_rows(joint, static_cast<std::int64_t>(m)));
+  course.changes = list_changes(
+      plan, [&](const Action& action) { return action.kind == Action::Kind::kSetMode && action.subject == joint; });
+  return course;
+}
+
+// As load_modes() computes it of a group, for one lane.
+GroupModes get_lane_modes(const Group& group, RowSet rows) {
+  if (!is_by_freedoms(rows, group.compliant)) return {0, static_cast<RowSet>(group.rows & rows), false, true};
+  return {static_cast<RowSet>(group.freedoms & ~rows), 0, true, false};
+}
+GroupModes unite(const GroupModes& a, const GroupModes& b) {
+  return {static_cast<RowSet>(a.freedoms | b.freedoms), static_cast<RowSet>(a.rows | b.rows),
+          a.by_freedoms || b.by_freedoms, a.by_rows || b.by_rows};
+}
+bool is_same(const GroupModes& a, const GroupModes& b) {
+  return a.freedoms == b.freedoms && a.rows == b.rows && a.by_freedoms == b.by_freedoms && a.by_rows == b.by_rows;
+}
+void add_once(std::vector<GroupModes>& list, const GroupModes& modes) {
+  if (std::none_of(list.begin(), list.end(), [&](const GroupModes& own) { return is_same(own, modes); }))
+    list.push_back(modes);
+}
+
+// Joints of a group whose modes always change together.
+struct JointClass {
+  Course course;
+  int joint;
+};
+std::vector<JointClass> list_classes(const PlanData& plan, const Group& group) {
+  std::vector<JointClass> classes;
+  for (int lane = 0; lane < group.width; ++lane) {
+    const int node = plan.lane_nodes[at(group.first + lane)];
+    if (node == kNone) continue;
+    const int joint = plan.nodes[at(node)].joint;
+    Course course = get_course(plan, joint);
+    const auto is_same_course = [&](const JointClass& own) { return own.course == course; };
+    if (std::none_of(classes.begin(), classes.end(), is_same_course)) classes.push_back({std::move(course), joint});
+  }
+  return classes;
+}
+
+// What the lanes of a group may need at one time.
+std::vector<GroupModes> list_group_modes(const PlanData& plan, const Group& group) {
+  if (!group.has_joint) return {{0, 0, false, true}};
+  std::vector<GroupModes> all = {{0, 0, false, group.count < group.width}};  // empty lanes hold no row
+  for (const JointClass& own : list_classes(plan, group)) {
+    std::vector<GroupModes> with;
+    for (std::size_t m = 0; m < count_modes(plan, own.joint); ++m)
+      for (const GroupModes& others : all)
+        add_once(with, unite(others, get_lane_modes(group, plan.get_rows(own.joint, static_cast<std::int64_t>(m)))));
+    all = std::move(with);
+  }
+  return all;
+}
+
+// The modes for which a group counts: those that cost most, by what the solver takes for each part, roughly.
+double estimate(const Group& group, const GroupModes& modes) {
+  constexpr double kByFreedoms = 1, kFreedom = 2.4, kByRows = 2.5, kInnerByRows = 8, kRow = 3, kRowPair = 0.6;
+  const int freedoms = std::popcount(modes.freedoms), rows = std::popcount(modes.rows);
+  return (modes.by_freedoms ? kByFreedoms : 0) + kFreedom * freedoms +
+         (modes.by_rows ? kByRows + (group.leaf ? 0 : kInnerByRows) : 0) + kRow * rows +
+         kRowPair * (rows * (rows - 1) / 2);
+}
+GroupModes choose_modes(const PlanData& plan, const Group& group) {
+  const std::vector<GroupModes> all = list_group_modes(plan, group);
+  return *std::max_element(all.begin(), all.end(), [&](const GroupModes& a, const GroupModes& b) {
+    return estimate(group, a) < estimate(group, b);
+  });
+}
+
+// --- Passes ----------------------------------------------------------------------------------------------------------
 
 void count_bodies(const PlanData& plan, int lanes, Work& work) {
   for (const BodyEight& eight : plan.eights) {
@@ -143,7 +147,31 @@ void count_bodies(const PlanData& plan, int lanes, Work& work) {
   work[Unit::kJointCount] = static_cast<double>(plan.joints.size());
 }
 
-void count_group(const Group& group, int lanes, Work& work) {
+// The nodes of a group in the solver.
+void count_node(const PlanData& plan, const Group& group, int pack, Work& work) {
+  const double passes = group.width / pack;
+  const GroupModes modes = choose_modes(plan, group);
+  const int freedoms = std::popcount(modes.freedoms), rows = std::popcount(modes.rows);
+  const double by_freedoms = modes.by_freedoms ? passes : 0, by_rows = modes.by_rows ? passes : 0;
+  work[by_lanes(group.leaf ? Unit::kLeaves1 : Unit::kInner1, pack)] += passes;
+  work[Unit::kByFreedoms] += by_freedoms;
+  if (modes.by_freedoms && !modes.by_rows && freedoms == 1) work[Unit::kSingles] += passes;
+  work[Unit::kFreedoms] += passes * freedoms;
+  work[Unit::kTurns] += passes * std::popcount(static_cast<RowSet>(modes.freedoms & kRotationRows));
+  work[Unit::kLaterFreedoms] += passes * std::max(freedoms - 1, 0);
+  work[Unit::kByRows] += by_rows;
+  work[Unit::kRows] += passes * rows;
+  work[Unit::kRowPairs] += passes * rows * (rows - 1) / 2;
+  work[Unit::kMasks] += passes * (modes.by_rows && group.has_joint ? static_cast<int>(kRows) : freedoms);
+  work[Unit::kPivots] += passes * std::popcount(group.compliant);
+  if (group.leaf) return;
+  work[Unit::kInnerByFreedoms] += by_freedoms;
+  work[Unit::kInnerFreedoms] += passes * freedoms;
+  work[Unit::kInnerByRows] += by_rows;
+  work[Unit::kInnerRows] += passes * rows;
+}
+
+void count_group(const PlanData& plan, const Group& group, int lanes, Work& work) {
   work[Unit::kFilledLanes] += group.width;
   if (group.kind != BodyKind::kRigid && !group.has_joint) return;
   const int pack = std::min<int>(lanes, group.width);
@@ -158,32 +186,85 @@ void count_group(const Group& group, int lanes, Work& work) {
   }
   if (group.link == ParentLink::kGather) work[Unit::kGather] += group.width;
   if (group.link == ParentLink::kSiblings) work[Unit::kSiblings] += passes;
+  if (group.link == ParentLink::kContiguous) work[Unit::kContiguous] += passes;
+  if (group.link == ParentLink::kRoot) work[Unit::kRoots] += passes;
   if (group.siblings_end) work[Unit::kEndSiblings] += 1;
-  if (group.kind != BodyKind::kRigid) return;
-  work[by_lanes(group.leaf ? Unit::kLeaves1 : Unit::kInner1, pack)] += passes;
-  const int freedoms = std::popcount(group.freedoms), rows = std::popcount(group.rows);
-  work[Unit::kFreedoms] += passes * freedoms;
-  work[Unit::kFreedomPairs] += passes * freedoms * (freedoms + 1) / 2;
-  if (group.may_be_by_rows || !group.has_joint) work[Unit::kByRows] += passes;
-  work[Unit::kRows] += passes * rows;
-  work[Unit::kRowPairs] += passes * rows * (rows - 1) / 2;
-  work[Unit::kPivots] += passes * std::popcount(group.compliant);
-  if (group.leaf) return;
-  work[Unit::kInnerFreedoms] += passes * freedoms;
-  if (group.may_be_by_rows || !group.has_joint) work[Unit::kInnerByRows] += passes;
-  work[Unit::kInnerRows] += passes * rows;
+  if (group.kind == BodyKind::kRigid) count_node(plan, group, pack, work);
 }
 
-void count_loops(const Plan& owner, const PlanData& plan, Work& work) {
-  work[Unit::kLoops] = static_cast<double>(plan.non_tree_joints.size());
+// Nodes of the solver that a wrench meets one at a time: pivots of one.
+double count_pivots(const PlanData& plan, std::int32_t group) {
+  constexpr int kOfFreeBody = 6;
+  const Group& own = plan.groups[at(group)];
+  if (own.kind != BodyKind::kRigid) return kOfFreeBody;
+  const GroupModes modes = choose_modes(plan, own);
+  const int by_rows = modes.by_rows ? kOfFreeBody + std::popcount(modes.rows) : 0;
+  return std::max(by_rows, std::popcount(modes.freedoms));
+}
+
+double to_double(std::size_t count) { return static_cast<double>(count); }
+
+// Rows of Λ side by side in packs.
+void count_dense_loops(const PlanData& plan, int lanes, Work& work) {
+  const double rows = plan.loop_rows, packs = std::ceil(rows / lanes);
+  double triangle = 0, pivots = 0;  // packs of a lower triangle; of one column
+  for (std::int32_t r = 0; r < plan.loop_rows; ++r) triangle += std::ceil((r + 1.0) / lanes);
+  for (const LoopNode& node : plan.loop_nodes) pivots += count_pivots(plan, node.group);
+  work[Unit::kDenseLoops] = to_double(plan.loops.size());
+  work[Unit::kDenseRows] = rows;
+  work[Unit::kDenseNodes] = to_double(plan.loop_nodes.size());
+  work[Unit::kDensePacks] = packs * to_double(plan.loop_nodes.size());
+  work[Unit::kDensePivots] = pivots;
+  work[Unit::kDensePivotPacks] = pivots * packs;
+  work[Unit::kDenseProducts] = pivots * triangle;
+  work[Unit::kDenseSquares] = rows * rows;
+  work[Unit::kDenseCubes] = rows * rows * rows;
+  // The tree is solved once more.
+  for (const Unit of : {Unit::kLeaves1, Unit::kLeaves2, Unit::kLeaves4, Unit::kInner1, Unit::kInner2, Unit::kInner4})
+    work[Unit::kDensePasses] += work[of];
+  work[Unit::kDenseByFreedoms] = work[Unit::kByFreedoms];
+  work[Unit::kDenseFreedoms] = work[Unit::kFreedoms];
+  work[Unit::kDenseByRows] = work[Unit::kByRows];
+  work[Unit::kDenseByNodeRows] = work[Unit::kRows];
+}
+
+double count_most_rows(const PlanData& plan, int joint) {
+  int most = 0;
+  for (std::size_t m = 0; m < count_modes(plan, joint); ++m)
+    most = std::max(most, std::popcount(plan.get_rows(joint, static_cast<std::int64_t>(m))));
+  return most;
+}
+
+// Loops that are eliminated where they close.
+void count_clusters(const Plan& owner, const PlanData& plan, Work& work) {
+  work[Unit::kClosures] = to_double(plan.closures.size());
+  for (const LoopClosure& own : plan.closures) {
+    const double rows = count_most_rows(plan, own.joint);
+    work[Unit::kClosureRows] += rows;
+    work[Unit::kClosureCubes] += rows * rows * rows;
+  }
+  work[Unit::kClusterNodes] = to_double(plan.cluster_nodes.size());
+  work[Unit::kClusterSlots] = to_double(plan.loop_slots.size());
+  work[Unit::kClusterLinks] = to_double(plan.loop_links.size());
+  work[Unit::kClusterPairs] = to_double(plan.loop_pairs.size());
+  work[Unit::kClusterProducts] = to_double(static_cast<std::size_t>(calc_loop_cost(owner).loops));
+  for (const ClusterNode& node : plan.cluster_nodes) {
+    const double pivots = count_pivots(plan, node.group), passing = node.slots - node.closing;
+    work[Unit::kClusterPivots] += pivots * passing;
+    work[Unit::kClusterPivotPairs] += pivots * passing * (passing + 1) / 2;
+  }
+}
+
+void count_loops(const Plan& owner, const PlanData& plan, int lanes, Work& work) {
+  for (const PlanNonTreeJoint& joint : plan.non_tree_joints)
+    if (count_most_rows(plan, joint.joint) > 0) work[Unit::kStageLoops] += 1;
+  work[Unit::kLoops] = to_double(plan.non_tree_joints.size());
   if (plan.loops.empty()) return;
-  const double rows = plan.loop_rows, tree_rows = plan.ring_rows, nodes = static_cast<double>(plan.loop_nodes.size());
-  work[Unit::kLoopRows] = rows;
-  work[Unit::kLoopNodes] = nodes;
-  work[Unit::kLoopProducts] = static_cast<double>(calc_loop_cost(owner).loops);
-  work[Unit::kLoopSlots] = static_cast<double>(plan.loop_slots.size());
-  work[Unit::kLoopLinks] = static_cast<double>(plan.loop_links.size() + plan.loop_pairs.size());
-  work[Unit::kLoopSolutions] = plan.closures.empty() ? rows * (rows + nodes) : 0;
+  if (plan.closures.empty())
+    count_dense_loops(plan, lanes, work);
+  else
+    count_clusters(owner, plan, work);
+  const double rows = plan.loop_rows, tree_rows = plan.ring_rows;
   work[Unit::kSplitRows] = rows + tree_rows;
   work[Unit::kSplitProducts] = rows * rows * (rows + tree_rows);
 }
@@ -206,11 +287,44 @@ void count_varying_bodies(const PlanData& plan, Work& work) {
   }
 }
 
+// One value of a profile.
+void count_profile(const PlanProfile& profile, Work& work) {
+  if (profile.kind == Profile::Kind::kExponential) work[Unit::kExponentials] += 1;
+  if (profile.kind == Profile::Kind::kHarmonic) work[Unit::kHarmonics] += profile.count;
+  if (profile.kind == Profile::Kind::kTable)
+    work[Unit::kLoadTables] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(profile.count)));
+}
+
+// What switches an element.
+Course get_element_course(const PlanData& plan, std::int32_t element) {
+  return {{plan.element_scales[at(element)]}, list_changes(plan, [&](const Action& action) {
+            return (action.kind == Action::Kind::kSwitch || action.kind == Action::Kind::kRamp) &&
+                   action.subject == element;
+          })};
+}
+
+bool may_be_on(const PlanData& plan, std::int32_t element) {
+  const Course course = get_element_course(plan, element);
+  return course.begin.front() != 0 || std::any_of(course.changes.begin(), course.changes.end(),
+                                                  [](const Change& change) { return change.value != 0; });
+}
+
 void count_loads(const PlanData& plan, Work& work) {
-  for (const PlanLoad& load : plan.loads) {
+  // Of each profile the load that read it last: the next one reads the kept value if its own time is the same.
+  std::vector<std::int32_t> last(plan.profiles.size(), kNone);
+  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
+    const PlanLoad& load = plan.loads[i];
     work[Unit::kLoads] += 1;
+    if (!may_be_on(plan, load.element)) continue;
+    work[Unit::kOnLoads] += 1;
+    if (!load.apart) work[Unit::kAttachedLoads] += 1;
     if (load.apart || load.consumption != 0) work[Unit::kApartLoads] += 1;
     if (load.law != kNone) work[Unit::kLawLoads] += 1;
+    std::int32_t& before = last[at(load.profile)];
+    const bool kept = before != kNone && get_element_course(plan, plan.loads[at(before)].element) ==
+                                             get_element_course(plan, load.element);
+    if (!kept) count_profile(plan.profiles[at(load.profile)], work);
+    before = static_cast<std::int32_t>(i);
   }
   // Once more for each search of their points; that of one table takes two bisections, that of four switches one.
   if (plan.time_corners) work[Unit::kCorners] += 0.25 * static_cast<double>(plan.element_scales.size());
@@ -218,12 +332,24 @@ void count_loads(const PlanData& plan, Work& work) {
     if (const PlanProfile& profile = plan.profiles[at(load.profile)];
         load.law == kNone && profile.kind == Profile::Kind::kTable)
       work[Unit::kCorners] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(profile.count)));
-  for (const PlanProfile& profile : plan.profiles) {
-    if (profile.kind == Profile::Kind::kExponential) work[Unit::kExponentials] += 1;
-    if (profile.kind == Profile::Kind::kHarmonic) work[Unit::kHarmonics] += profile.count;
-    if (profile.kind == Profile::Kind::kTable)
-      work[Unit::kLoadTables] += static_cast<double>(std::bit_width(static_cast<unsigned>(profile.count)));
+}
+
+// Of the bodies near a planet, with what gravity and its torque need.
+void count_planet(const PlanData& plan, Work& work) {
+  if (!plan.environment.exists) return;
+  const PlanPlanet& planet = plan.environment.planet;
+  double bodies = 0;
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const std::int32_t flexible = plan.bodies[b].flexible;
+    const bool marker = flexible != kNone && at(plan.flexible[at(flexible)].body) != b;
+    work[Unit::kPlanetBodies] += 1;
+    if (!marker) bodies += 1;
   }
+  const double torques = planet.gradient_torque ? bodies : 0;
+  work[Unit::kPlanetWeights] = bodies;
+  work[Unit::kPlanetTorques] = torques;
+  if (planet.j2 != 0) work[Unit::kPlanetZonals] = bodies + torques;
+  if (planet.falling) work[Unit::kPlanetFalls] = bodies + torques;
 }
 
 using geometry::ShapeKind;
@@ -232,20 +358,17 @@ bool is_round(const geometry::ShapeNumbers& shape) {
   return shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule || shape.kind == ShapeKind::kHalfSpace;
 }
 
-// Pairs of the shapes of two surfaces.
-void count_shape_pair(const PlanData& plan, std::size_t a, std::size_t b, Work& work) {
+// Units of pairs of shapes: three in a row, from those of round ones on.
+void count_shape_pair(const PlanData& plan, std::size_t a, std::size_t b, Unit round, Work& work) {
   const geometry::ShapeNumbers &x = plan.shape_parts[a], &y = plan.shape_parts[b];
-  if (x.kind == ShapeKind::kHollow || y.kind == ShapeKind::kHollow)
-    work[Unit::kHollowPairs] += 1;
-  else if (is_round(x) && is_round(y))
-    work[Unit::kRoundPairs] += 1;
-  else
-    work[Unit::kConvexPairs] += 1;
+  const int convex = is_round(x) && is_round(y) ? 0 : 1;
+  const int kind = x.kind == ShapeKind::kHollow || y.kind == ShapeKind::kHollow ? 2 : convex;
+  work[static_cast<Unit>(static_cast<int>(round) + kind)] += 1;
 }
-void count_surface_pairs(const PlanData& plan, std::int32_t first, std::int32_t second, Work& work) {
+void count_surface_pairs(const PlanData& plan, std::int32_t first, std::int32_t second, Unit round, Work& work) {
   const PlanShapes &a = plan.shapes[at(first)], &b = plan.shapes[at(second)];
   for (std::int32_t i = 0; i < a.count; ++i)
-    for (std::int32_t k = 0; k < b.count; ++k) count_shape_pair(plan, at(a.first + i), at(b.first + k), work);
+    for (std::int32_t k = 0; k < b.count; ++k) count_shape_pair(plan, at(a.first + i), at(b.first + k), round, work);
 }
 
 void count_coordinates(const PlanData& plan, Coordinates set, Work& work) {
@@ -269,21 +392,35 @@ void count_contact_rows(const PlanData& plan, Work& work) {
   work[Unit::kContactRowBodies] = rows * static_cast<double>(plan.bodies.size());
 }
 
+// Rows of closed rigid contacts, at most.
+void count_rigid(const PlanData& plan, Work& work) {
+  const double rows = std::min(count_rigid_rows(plan), kMostRigidRows);
+  work[Unit::kRigidPairs] = plan.rigid_pairs;
+  work[Unit::kRigidRows] = rows;
+  work[Unit::kRigidRowPairs] = rows * rows;
+  work[Unit::kRigidRowCubes] = rows * rows * rows;
+  work[Unit::kRigidRowBodies] = rows > 0 ? static_cast<double>(plan.bodies.size()) : 0;
+}
+
 void count_elements(const PlanData& plan, Work& work) {
   count_loads(plan, work);
   const auto set = [&](Unit unit, std::size_t count) { work[unit] = static_cast<double>(count); };
   set(Unit::kPointSprings, plan.point_springs.size());
-  set(Unit::kJointSprings, plan.joint_springs.size());
+  for (const PlanJointSpring& own : plan.joint_springs)
+    work[own.axis < kRotX ? Unit::kSlideSprings : Unit::kTurnSprings] += 1;
   set(Unit::kPlaneTorsions, plan.plane_torsions.size());
-  set(Unit::kOneSided, plan.one_sided.size());
+  for (const PlanOneSided& own : plan.one_sided) {
+    const Unit in_joint = own.axis < kRotX ? Unit::kJointOneSided : Unit::kTurnOneSided;
+    work[own.joint == kNone ? Unit::kPointOneSided : in_joint] += 1;
+  }
   set(Unit::kCords, plan.drums.size());
   set(Unit::kFrictions, plan.frictions.size());
   set(Unit::kAerodynamics, plan.aerodynamics.size());
   set(Unit::kAeroTerms, plan.aero_terms.size());
   set(Unit::kCompliant, plan.compliant.size());
-  set(Unit::kPlanetBodies, plan.environment.exists ? plan.bodies.size() : 0);
+  count_planet(plan, work);
   set(Unit::kContacts, plan.contacts.size());
-  set(Unit::kRigidContacts, at(plan.rigid_pairs));
+  count_rigid(plan, work);
   count_contact_rows(plan, work);
   for (const PlanOneSided& own : plan.one_sided)
     if (own.count > 0)
@@ -291,8 +428,84 @@ void count_elements(const PlanData& plan, Work& work) {
   for (const ContactPair& pair : plan.contact_pairs) {
     const PlanContact& contact = plan.contacts[at(pair.contact)];
     count_shape_pair(plan, at(plan.shapes[at(contact.base)].first + pair.base_shape),
-                     at(plan.shapes[at(contact.follower)].first + pair.follower_shape), work);
+                     at(plan.shapes[at(contact.follower)].first + pair.follower_shape), Unit::kRoundPairs, work);
   }
+}
+
+// Units of quantities are in this order, once for each reader.
+enum class QuantityUnit {
+  kBody,
+  kAttitude,
+  kJoint,
+  kElement,
+  kContact,
+  kPlain,
+  kFlight,
+  kAngle,
+  kFalling,
+  kAir,
+  kRound
+};
+static_assert(static_cast<int>(Unit::kReadRoundDistances) ==
+              static_cast<int>(Unit::kReadBodyQuantities) + static_cast<int>(QuantityUnit::kRound));
+Unit get_unit(Unit first, QuantityUnit own) {
+  return static_cast<Unit>(static_cast<int>(first) + static_cast<int>(own));
+}
+
+QuantityUnit get_quantity_unit(Quantity::Kind kind, SubjectOf of) {
+  using enum QuantityUnit;
+  using Kind = Quantity::Kind;
+  switch (of) {
+    case SubjectOf::kBody:
+      return kind == Kind::kAttitude || kind == Kind::kAxes ? kAttitude : kBody;
+    case SubjectOf::kJoint:
+      return kJoint;
+    case SubjectOf::kElement:
+    case SubjectOf::kOneSided:
+    case SubjectOf::kCord:
+      return kElement;
+    case SubjectOf::kContact:
+      return kind == Kind::kContactForce || kind == Kind::kContactDepth ? kContact : kPlain;
+    default:
+      return kPlain;
+  }
+}
+
+// True of a quantity beside the planet with an arctangent, or with the planet's turn.
+bool has_angle(Quantity::Kind kind) {
+  using Kind = Quantity::Kind;
+  switch (kind) {
+    case Kind::kLatitude:
+    case Kind::kGeocentricLatitude:
+    case Kind::kLongitude:
+    case Kind::kAngleOfAttack:
+    case Kind::kSideslip:
+    case Kind::kFlightPathAngle:
+    case Kind::kAzimuth:
+    case Kind::kInertialFlightPathAngle:
+    case Kind::kInertialAzimuth:
+    case Kind::kEulerAngles:
+    case Kind::kLaunchPosition:
+    case Kind::kLaunchVelocity:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// `first`: the unit of bodies' quantities of who reads it.
+void count_quantity(const PlanData& plan, std::int32_t quantity, Unit first, Work& work) {
+  using enum QuantityUnit;
+  const PlanQuantity& own = plan.quantities[at(quantity)];
+  const QuantityTraits& traits = get_traits(own.kind);
+  const auto add = [&](QuantityUnit unit) { work[get_unit(first, unit)] += 1; };
+  add(get_quantity_unit(own.kind, traits.of));
+  if (traits.of_planet) add(kFlight);
+  if (traits.of_planet && has_angle(own.kind)) add(kAngle);
+  if (traits.of_planet && plan.environment.planet.falling) add(kFalling);
+  if (traits.of_air) add(kAir);
+  if (own.kind == Quantity::Kind::kClearance)
+    count_surface_pairs(plan, own.subject, own.other, get_unit(first, kRound), work);
 }
 
 void count_table(const PlanLaws& laws, const PlanTable& table, Work& work) {
@@ -336,50 +549,29 @@ void count_laws(const PlanData& plan, Work& work) {
   if (!plan.air_corners.empty())
     work[Unit::kCorners] += static_cast<double>(plan.aerodynamics.size()) *
                             (1 + static_cast<double>(std::bit_width(plan.air_corners.size())));
-  work[Unit::kFlightQuantities] += static_cast<double>(plan.laws.air_places.size());
+  for (const std::int32_t operand : plan.laws.operands) count_quantity(plan, operand, Unit::kLawBodyQuantities, work);
   work[Unit::kBranches] = plan.law_numbers.places;
 }
 
-Unit get_quantity_unit(Quantity::Kind kind, SubjectOf of) {
-  switch (of) {
-    case SubjectOf::kBody:
-      return kind == Quantity::Kind::kAttitude || kind == Quantity::Kind::kAxes ? Unit::kAttitudeQuantities
-                                                                                : Unit::kBodyQuantities;
-    case SubjectOf::kJoint:
-      return Unit::kJointQuantities;
-    case SubjectOf::kElement:
-    case SubjectOf::kOneSided:
-    case SubjectOf::kCord:
-      return Unit::kElementQuantities;
-    case SubjectOf::kContact:
-      return kind == Quantity::Kind::kContactForce || kind == Quantity::Kind::kContactDepth ? Unit::kContactQuantities
-                                                                                            : Unit::kPlainQuantities;
-    default:
-      return Unit::kPlainQuantities;
-  }
-}
-
-void count_quantity(const PlanData& plan, const PlanQuantity& own, Work& work) {
-  const QuantityTraits& traits = get_traits(own.kind);
-  work[get_quantity_unit(own.kind, traits.of)] += 1;
-  if (traits.of_planet) work[Unit::kFlightQuantities] += 1;
-  if (traits.of_air) work[Unit::kAirQuantities] += 1;
-  if (own.kind == Quantity::Kind::kClearance) {
-    work[Unit::kDistances] += 1;
-    count_surface_pairs(plan, own.subject, own.other, work);
-  }
+// Conditions that are compared with a quantity by its number: kernel/events/guards.cc, calc_elementary().
+bool reads_quantity(Condition::Kind kind) {
+  const ConditionCourse course = get_traits(kind).course;
+  return !get_traits(kind).by_guards && course != ConditionCourse::kParts;
 }
 
 void count_events(const PlanData& plan, Work& work) {
   work[Unit::kEvents] = static_cast<double>(plan.events.size());
   work[Unit::kTimedEvents] = static_cast<double>(plan.timed_events.size() + plan.repeating_events.size());
   work[Unit::kConditions] = static_cast<double>(plan.conditions.size());
-  for (const PlanCondition& condition : plan.conditions)
+  for (const PlanCondition& condition : plan.conditions) {
     if (condition.kind == Condition::Kind::kReach) work[Unit::kReaches] += 1;
+    if (reads_quantity(condition.kind)) count_quantity(plan, condition.subject, Unit::kGuardBodyQuantities, work);
+  }
   work[Unit::kActions] = static_cast<double>(plan.actions.size());
   work[Unit::kImpulses] = static_cast<double>(plan.impulses.size());
   work[Unit::kGuards] = static_cast<double>(plan.events.size() + plan.contact_pairs.size());
-  for (const PlanQuantity& own : plan.quantities) count_quantity(plan, own, work);
+  for (std::int32_t i = 0; i < plan.quantity_count; ++i) count_quantity(plan, i, Unit::kReadBodyQuantities, work);
+  for (const PlanSensor& sensor : plan.sensors) count_quantity(plan, sensor.quantity, Unit::kReadBodyQuantities, work);
   work[Unit::kSensors] = plan.sensor_count;
 }
 
@@ -392,8 +584,9 @@ Work count_work(const Plan& owner, int lanes, Coordinates coordinates) {
   work[Unit::kStateWords] = static_cast<double>(owner.get_state_bytes()) / 8;
   work[Unit::kCarriedPlaces] = static_cast<double>(plan.initial_auxiliary.size());
   count_bodies(plan, lanes, work);
-  for (const Group& group : plan.groups) count_group(group, lanes, work);
-  count_loops(owner, plan, work);
+  for (const Group& group : plan.groups) count_group(plan, group, lanes, work);
+  work[Unit::kBegins] = static_cast<double>(plan.inner_groups.size());
+  count_loops(owner, plan, lanes, work);
   count_varying_bodies(plan, work);
   count_elements(plan, work);
   count_coordinates(plan, coordinates, work);

@@ -10,6 +10,7 @@
 #include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/events/guards.h"
 #include "kernel/events/impulses.h"
+#include "kernel/events/limits.h"
 #include "kernel/events/rigid_pairs.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
@@ -158,11 +159,8 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   return true;
 }
 
-// Rounds at one instant for each pair of a rigid contact, and for each that has friction.
-constexpr std::size_t kRigidRounds = 8, kRoughRounds = 40;
-std::size_t calc_rigid_rounds(const PlanData& plan) {
-  const std::size_t rough = at(count_rigid_rows(plan) - plan.rigid_pairs) / 2;
-  return kRigidRounds * (at(plan.rigid_pairs) - rough) + kRoughRounds * rough;
+std::size_t count_rigid_rounds(const PlanData& plan) {
+  return at(calc_rigid_rounds(plan.rigid_pairs, (count_rigid_rows(plan) - plan.rigid_pairs) / 2));
 }
 
 // All rounds at one instant at which something is due. Out of line: at most instants nothing is.
@@ -175,7 +173,7 @@ std::size_t calc_rigid_rounds(const PlanData& plan) {
   // contact was switched. So there are at most twice as many rounds as events and pairs.
   // Rigid contacts may take several pivots each.
   begin_rigid_pairs(run);
-  for (std::size_t round = 0; round <= 2 * ev.guards.size() + calc_rigid_rounds(plan); ++round) {
+  for (std::size_t round = 0; round <= 2 * ev.guards.size() + count_rigid_rounds(plan); ++round) {
     if (round > 0 && !is_any_due(plan, now, state, ev, tolerances) && !wants_rigid_pair(run)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});

@@ -12,4 +12,8 @@ inline constexpr int kMostCornerSplits = 8;   // of a step, at corners of laws
 inline constexpr int kMostFeatureTries = 5;   // that end where the feature of a closed pair changes
 inline constexpr int kMostFeatureSplits = 8;  // of a step, at changes of features
 
+// Rounds of events at one instant that rigid contacts add: for each pair, and for each that has friction.
+inline constexpr int kRigidRounds = 8, kRoughRounds = 40;
+constexpr int calc_rigid_rounds(int pairs, int rough) { return kRigidRounds * (pairs - rough) + kRoughRounds * rough; }
+
 }  // namespace unlatch

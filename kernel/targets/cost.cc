@@ -1,4 +1,5 @@
-// Steps every plan of plans.h for tools/cost, with the commands that its channels have at the start, and prints
+// Steps every plan of plans.h for tools/cost, with the commands that its channels have at the start, or next to nothing
+// instead of 0, so that what they size is not left out, and prints
 //   p NAME PRIMITIVE CALLS MOST         instructions of one call, where cost_primitives.cc is linked
 //   s NAME SUBSTEPS ROUNDS STEPS MOST   instructions of one step with so many integrations and rounds of events
 #include "kernel/targets/cost.h"
@@ -40,6 +41,16 @@ void note_step(const StepReport& report, std::uint64_t instructions) {
   if (instructions > largest[i].most) largest[i].most = instructions;
 }
 
+std::array<double, 1024> commands;
+// Returns their number.
+std::size_t set_commands(const Plan& plan) {
+  constexpr double kNextToNothing = 1e-9;
+  const std::span<const double> initial = plan.get_initial_commands();
+  const std::size_t count = initial.size() < commands.size() ? initial.size() : commands.size();
+  for (std::size_t i = 0; i < count; ++i) commands[i] = initial[i] == 0 ? kNextToNothing : initial[i];
+  return count;
+}
+
 void fly(const Flight& flight) {
   const OpenedPlan opened = open_plan({flight.begin, flight.end}, plan_memory);
   if (!opened.plan || opened.plan->get_state_bytes() > sizeof(state_memory) ||
@@ -54,10 +65,11 @@ void fly(const Flight& flight) {
   init_state(plan, state);
   largest_count = 0;
   begin_primitives(get_data(plan));
+  const std::size_t count = set_commands(plan);
   std::uint64_t sum = 0;
   for (std::int32_t tick = 1; tick <= flight.ticks && sum * kInstructionUnit < kMostInstructions; ++tick) {
     const std::uint64_t begin = begin_step();
-    const StepReport report = step(plan, {plan.get_initial_commands()}, state, workspace);
+    const StepReport report = step(plan, {{commands.data(), count}}, state, workspace);
     const std::uint64_t count = end_step(begin);
     sum += count;
     if (report.status != StepStatus::kOk) break;

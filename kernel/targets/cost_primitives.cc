@@ -1,6 +1,7 @@
 // Counts the instructions of the primitives of a step: the functions through which a step is put together, each less
 // what it calls of the others. The linker's --wrap (cost.cmake) leads calls of NAME here, to __wrap_NAME; __real_NAME
-// is NAME itself. Counting adds some ten instructions to a call, so that counts are rather too large.
+// is NAME itself. What counting itself adds to a call of nothing is taken off; of other calls it adds a
+// little more, so that counts are rather too large.
 #include <algorithm>
 #include <array>
 
@@ -9,7 +10,10 @@
 #include "kernel/dynamics/energy.h"
 #include "kernel/elements/instant.h"
 #include "kernel/events/event_search.h"
+#include "kernel/events/rigid_friction.h"
+#include "kernel/events/rigid_pairs.h"
 #include "kernel/integration/integrator.h"
+#include "kernel/integration/rigid_rows.h"
 #include "kernel/joints/residuals.h"
 #include "kernel/targets/cost.h"
 #include "kernel/targets/port.h"
@@ -27,6 +31,10 @@ std::array<Count, cost::kPrimitives> counts;
 const Kernels* kernels;
 std::uint64_t last, outside, *current = &outside;  // where the instructions since `last` belong
 std::uint64_t integrations, energies, substeps;    // so far
+bool first_step;                                   // this one begins with an evaluation of its state
+std::uint64_t added_within, added_outside;         // instructions that counting adds to a call, and to its caller
+
+std::uint64_t subtract(std::uint64_t from, std::uint64_t added) { return from > added ? from - added : 0; }
 
 // `parts`: into which the instructions of the call are divided.
 void note(Primitive primitive, std::uint64_t instructions, std::uint64_t parts) {
@@ -44,8 +52,9 @@ class Within {
     last = read_counter();
   }
   ~Within() {
-    own_ += read_counter() - last;
+    own_ = subtract(own_ + (read_counter() - last), added_within);
     note(primitive_, own_, parts_);
+    *outer_ = subtract(*outer_, added_outside);
     current = outer_;
     last = read_counter();
   }
@@ -62,6 +71,21 @@ class Within {
   std::uint64_t parts_ = 1, own_ = 0, *outer_;
 };
 
+// Counts calls of nothing.
+[[gnu::noinline]] void calibrate() {
+  constexpr std::uint64_t kCalls = 64;
+  counts = {};
+  added_within = added_outside = 0;
+  std::uint64_t around = 0;
+  current = &around;
+  last = read_counter();
+  for (std::uint64_t i = 0; i < kCalls; ++i) const Within nothing(Primitive::kStep);
+  around += read_counter() - last;
+  added_outside = around / kCalls;
+  added_within = counts[static_cast<std::size_t>(Primitive::kStep)].most;
+  counts = {};
+}
+
 template <Primitive primitive, auto member, class Result, class... Arguments>
 constexpr auto wrap(Result (*Kernels::*)(Arguments...)) {
   return +[](Arguments... arguments) -> Result {
@@ -76,24 +100,45 @@ constexpr auto wrap() {
 
 using K = Kernels;
 using P = Primitive;
+// Those whose cost depends on what is asked.
+Primitive get_joints(RowTarget target) {
+  if (target == RowTarget::kAcceleration) return Primitive::kJoints;
+  return target == RowTarget::kPosition ? Primitive::kJointPlaces : Primitive::kJointSpeeds;
+}
+void update_joints(const PlanData& plan, Evaluation& ev, RowTarget target) {
+  const Within within(get_joints(target));
+  kernels->update_joints(plan, ev, target);
+}
+int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep,
+                     std::int32_t most_rows) {
+  const Primitive bare = sweep.source == Source::kNothing ? Primitive::kFactorRest : Primitive::kFactorStage;
+  const Within within(sweep.multipliers ? Primitive::kFactor : bare);
+  return kernels->factor_and_solve(plan, state, ev, sweep, most_rows);
+}
+void solve(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  const bool rest = sweep.source == Source::kNothing && !sweep.multipliers;
+  const Within within(rest ? Primitive::kSolveRest : Primitive::kSolve);
+  kernels->solve(plan, ev, sweep);
+}
+
 constexpr Kernels kWrapped = {wrap<P::kKinematics, &K::update_kinematics>(),
-                              wrap<P::kKinematics, &K::update_angular_velocities>(),
+                              wrap<P::kVelocities, &K::update_angular_velocities>(),
                               wrap<P::kOwnForces, &K::init_forces>(),
-                              wrap<P::kJoints, &K::update_joints>(),
+                              update_joints,
                               wrap<P::kJointVelocities, &K::update_joint_velocities>(),
                               wrap<P::kAngles, &K::update_angles>(),
-                              wrap<P::kFactor, &K::factor_and_solve>(),
-                              wrap<P::kSolve, &K::solve>(),
+                              factor_and_solve,
+                              solve,
                               wrap<P::kSplit, &K::split_cluster_rows>(),
-                              wrap<P::kMotion, &K::begin_substep>(),
-                              wrap<P::kMotion, &K::begin_stages>(),
-                              wrap<P::kMotion, &K::advance_stage>(),
-                              wrap<P::kMotion, &K::finish_stages>(),
-                              wrap<P::kMotion, &K::restart>(),
-                              wrap<P::kMotion, &K::finish_first_stage>(),
-                              wrap<P::kMotion, &K::finish_second_stage>(),
-                              wrap<P::kMotion, &K::add_displacements>(),
-                              wrap<P::kMotion, &K::add_velocities>()};
+                              wrap<P::kBegin, &K::begin_substep>(),
+                              wrap<P::kFirstStage, &K::begin_stages>(),
+                              wrap<P::kStage, &K::advance_stage>(),
+                              wrap<P::kLastStage, &K::finish_stages>(),
+                              wrap<P::kImplicitStage, &K::restart>(),
+                              wrap<P::kImplicitStage, &K::finish_first_stage>(),
+                              wrap<P::kImplicitStage, &K::finish_second_stage>(),
+                              wrap<P::kMovePlaces, &K::add_displacements>(),
+                              wrap<P::kMoveSpeeds, &K::add_velocities>()};
 
 }  // namespace
 }  // namespace unlatch::target
@@ -118,6 +163,13 @@ constinit const Kernels* const wrap_tables[] = {&target::kWrapped, &target::kWra
     return real_##name arguments;                                            \
   }
 
+// Symbols that name std::uint64_t.
+#if __SIZEOF_POINTER__ == 8
+#define UNLATCH_SET "mRNS_10EvaluationE"
+#else
+#define UNLATCH_SET "yRNS_10EvaluationE"
+#endif
+
 UNLATCH_WRAP(
     P::kLoopJoints, void, update_non_tree_joints,
     "_ZN7unlatch22update_non_tree_jointsERKNS_8PlanDataERKNS_5StateENS_9RowTargetENS_8JointSetERNS_10EvaluationE",
@@ -130,12 +182,12 @@ UNLATCH_WRAP(P::kLoads, void, update_loads, "_ZN7unlatch12update_loadsERKNS_7Ins
 UNLATCH_WRAP(P::kLaws, std::span<const double>, update_driving_laws,
              "_ZN7unlatch19update_driving_lawsERKNS_7InstantERNS_10EvaluationE", (const Instant& now, Evaluation& ev),
              (now, ev))
-UNLATCH_WRAP(P::kLaws, void, update_other_laws, "_ZN7unlatch17update_other_lawsERKNS_7InstantERNS_10EvaluationE",
+UNLATCH_WRAP(P::kOtherLaws, void, update_other_laws, "_ZN7unlatch17update_other_lawsERKNS_7InstantERNS_10EvaluationE",
              (const Instant& now, Evaluation& ev), (now, ev))
 UNLATCH_WRAP(P::kCoordinates, std::size_t, measure_coordinates,
              "_ZN7unlatch19measure_coordinatesERKNS_8PlanDataERKNS_5StateENS_13CoordinateSetERNS_10EvaluationE",
              (const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev), (plan, state, set, ev))
-UNLATCH_WRAP(P::kAngles, void, unwind_angles,
+UNLATCH_WRAP(P::kUnwind, void, unwind_angles,
              "_ZN7unlatch13unwind_anglesERKNS_8PlanDataERKNS_5StateENS_13CoordinateSetERNS_10EvaluationE",
              (const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev), (plan, state, set, ev))
 UNLATCH_WRAP(P::kFriction, void, update_friction, "_ZN7unlatch15update_frictionERKNS_7InstantERNS_10EvaluationE",
@@ -155,11 +207,21 @@ UNLATCH_WRAP(P::kParts, ContactParts, choose_contact_parts,
 UNLATCH_WRAP(P::kContactRows, void, begin_contact_rows,
              "_ZN7unlatch18begin_contact_rowsERKNS_7InstantERNS_10EvaluationERNS_11ContactRowsE",
              (const Instant& now, Evaluation& ev, ContactRows& rows), (now, ev, rows))
+UNLATCH_WRAP(P::kRigidRows, int, solve_rigid_rows,
+             "_ZN7unlatch16solve_rigid_rowsERKNS_7InstantENS_11RigidTargetERKNS_5SweepE" UNLATCH_SET,
+             (const Instant& now, RigidTarget target, const Sweep& sweep, RigidSet set, Evaluation& ev),
+             (now, target, sweep, set, ev))
+UNLATCH_WRAP(P::kRigidStrike, int, strike_rigid_pairs, "_ZN7unlatch18strike_rigid_pairsERNS_3RunEdRNS_7BalanceE",
+             (Run & run, double now, Balance& allowed), (run, now, allowed))
+UNLATCH_WRAP(P::kRigidStop, int, stop_rigid_slips, "_ZN7unlatch16stop_rigid_slipsERNS_3RunEdRNS_7BalanceE",
+             (Run & run, double now, Balance& allowed), (run, now, allowed))
+UNLATCH_WRAP(P::kRigidSlips, bool, begin_slips, "_ZN7unlatch11begin_slipsERNS_3RunEd", (Run & run, double now),
+             (run, now))
 UNLATCH_WRAP(P::kStore, void, store_substep, "_ZN7unlatch13store_substepERKNS_8PlanDataERKNS_10EvaluationERNS_5StateE",
              (const PlanData& plan, const Evaluation& ev, State& state), (plan, ev, state))
 UNLATCH_WRAP(P::kRearm, void, rearm, "_ZN7unlatch5rearmERKNS_8PlanDataERNS_5StateERNS_10EvaluationE",
              (const PlanData& plan, State& state, Evaluation& ev), (plan, state, ev))
-UNLATCH_WRAP(P::kRearm, double, calc_next_due, "_ZN7unlatch13calc_next_dueERKNS_8PlanDataERKNS_5StateEd",
+UNLATCH_WRAP(P::kNextDue, double, calc_next_due, "_ZN7unlatch13calc_next_dueERKNS_8PlanDataERKNS_5StateEd",
              (const PlanData& plan, const State& state, double now), (plan, state, now))
 
 // Symbols with a std::span name the largest std::size_t.
@@ -175,8 +237,12 @@ UNLATCH_WRAP(P::kGuards, void, update_guards,
 UNLATCH_DECLARE(int, evaluate, "_ZN7unlatch8evaluateERKNS_7InstantENS_7ChangedERNS_10EvaluationE",
                 (const Instant& now, Changed changed, Evaluation& ev))
 int wrap_evaluate(const Instant& now, Changed changed, Evaluation& ev) {
-  const Within within(changed == Changed::kVelocities || changed == Changed::kCommands ? P::kEvaluateEnd
-                                                                                       : P::kEvaluate);
+  P primitive = P::kEvaluate;
+  if (changed == Changed::kCommands) primitive = P::kEvaluateNew;
+  if (changed == Changed::kVelocities) primitive = P::kEvaluateEnd;
+  if (changed == Changed::kModes) primitive = P::kEvaluateModes;
+  if (primitive == P::kEvaluate) target::first_step = true;
+  const Within within(primitive);
   return real_evaluate(now, changed, ev);
 }
 
@@ -195,7 +261,8 @@ Reached wrap_advance_to_event(Run& run, double now, double target, Contacts cont
   Within within(P::kSearch);
   const std::uint64_t before = target::integrations;
   const Reached reached = real_advance_to_event(run, now, target, contacts, may_split);
-  within.divide(P::kSearch, target::integrations - before);
+  const std::uint64_t count = target::integrations - before;
+  if (count > 1) within.divide(P::kTry, count - 1);
   return reached;
 }
 
@@ -224,11 +291,12 @@ EnergyFlow wrap_calc_energy_flow(const PlanData& plan, const State& state, doubl
 namespace unlatch::target {
 
 void begin_primitives(const PlanData& plan) {
-  counts = {};
+  calibrate();
   kernels = real_tables[static_cast<int>(plan.instruction_set)];
 }
 std::uint64_t begin_step() {
   outside = substeps = 0;
+  first_step = false;
   current = &outside;
   return last = read_counter();
 }
@@ -236,7 +304,7 @@ std::uint64_t begin_step() {
 std::uint64_t end_step(std::uint64_t begin) {
   const std::uint64_t now = read_counter();
   outside += now - last;
-  note(Primitive::kStep, outside, std::max<std::uint64_t>(substeps, 1));
+  note(first_step ? Primitive::kFirstStep : Primitive::kStep, outside, std::max<std::uint64_t>(substeps, 1));
   return now - begin;
 }
 void print_primitives(const char* plan) {

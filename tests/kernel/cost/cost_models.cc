@@ -3,6 +3,7 @@
 //   cost_models work LANES IMAGE...         prints the work of each plan, by its units
 //   cost_models steps IMAGE TICKS           steps a plan; prints the integrations and rounds of events of each step
 //   cost_models bound TARGET                of each line "IMAGE INTEGRATIONS ROUNDS" prints the bound of such a step
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -17,6 +18,7 @@
 #include "tests/support/contact_models.h"
 #include "tests/support/image_file.h"
 #include "tests/support/random_elements.h"
+#include "tests/support/rigid_models.h"
 #include "tests/support/simulation.h"
 #include "unlatch/cost/step_cost.h"
 #include "unlatch/plan_image.h"
@@ -61,9 +63,53 @@ Model build_sticking_balls(std::uint64_t seed) {
   return model;
 }
 
-constexpr std::uint64_t kStickingEvery = 10;  // of the seeds
+// One to four bodies on one to three round feet that fall upon a rigid floor, some with friction or rebound, some
+// with a second body on a hinge.
+Model build_rigid_bodies(std::uint64_t seed) {
+  test::Random random(seed);
+  Model model;
+  model.name = "rigid";
+  model.gravity.uniform = {random.chance(0.5) ? 1.0 : 0.0, 0, -test::kGravity};
+  model.surfaces.push_back({"floor", kGround, {test::build_floor()}});
+  const int bodies = 1 + random.below(4);
+  for (int i = 0; i < bodies; ++i) {
+    const int body = static_cast<int>(model.bodies.size());
+    const std::string name = "body" + std::to_string(i);
+    model.bodies.push_back(test::box(name, random.uniform(0.5, 4), 0.25, 0.25, 0.25));
+    const Vec3 place{4.0 * i, 0, 0.5 + 0.02 * random.uniform()};
+    model.bodies.back().p_WB = {place.x, place.y, place.z};
+    model.bodies.back().v_WB = {random.uniform(), 0.2 * random.uniform(), 0};
+    Surface surface{name, body, {}};
+    const int feet = 1 + random.below(3);
+    for (int k = 0; k < feet; ++k) {
+      const double angle = 2.1 * k;
+      surface.shapes.push_back(test::build_sphere(0.125, {0.4 * std::cos(angle), 0.4 * std::sin(angle), -0.375}));
+    }
+    model.surfaces.push_back(surface);
+    Contact contact = test::touch_rigidly(name, 0, i + 1, random.chance(0.4) ? 0.5 : 0.0);
+    if (random.chance(0.5)) contact.friction = random.uniform(0.1, 0.8);
+    model.contacts.push_back(contact);
+    if (!random.chance(0.3)) continue;
+    model.bodies.push_back(test::box(name + "'s", 0.5, 0.01, 0.01, 0.01));
+    model.bodies.back().p_WB = {place.x, 0.5, place.z};
+    model.bodies.back().v_WB = model.bodies[static_cast<std::size_t>(body)].v_WB;
+    Joint joint;
+    joint.name = name;
+    joint.base = body;
+    joint.follower = body + 1;
+    joint.point_base = {0, 0.25, 0};
+    joint.point_follower = {0, -0.25, 0};
+    joint.modes = {{"held", kPointRows}};
+    model.joints.push_back(joint);
+  }
+  return model;
+}
+
+// Of ten seeds one is of balls, and one of rigid contacts.
 Model build_system(std::uint64_t seed) {
-  return seed % kStickingEvery == 0 ? build_sticking_balls(seed) : test::build_random_system(seed);
+  constexpr std::uint64_t kEvery = 10, kRigid = 5;
+  if (seed % kEvery == 0) return build_sticking_balls(seed);
+  return seed % kEvery == kRigid ? build_rigid_bodies(seed) : test::build_random_system(seed);
 }
 
 int write_images(const std::string& folder, std::uint64_t first, std::uint64_t count) {

@@ -2,6 +2,7 @@
 // verify.
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 
 #include "kernel/cost/work.h"
@@ -9,6 +10,7 @@
 #include "tests/support/contact_models.h"
 #include "tests/support/random_elements.h"
 #include "tests/support/random_model.h"
+#include "tests/support/rigid_models.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 #include "unlatch/cost/step_cost.h"
@@ -61,6 +63,50 @@ TEST(StepLimits, AClosedContactCutsAStepIntoItsPartsAndEachIsSearchedForTouches)
   EXPECT_EQ(limits.searches, 8 * 24 + kMostFeatureSplits * kMostFeatureTries + limits.sub_steps * 9);
 }
 
+TEST(StepLimits, RigidContactsAddTheRoundsThatTheirChangesMayTake) {
+  const auto count_rounds = [](bool rigid, double friction) {
+    Model model = build_dropped_ball(1);
+    if (rigid) model = build_bouncing_ball(1, 0.5);
+    model.contacts[0].friction = friction;
+    return calc_limits(model).rounds;
+  };
+  const std::int64_t instants = 1 + 8;  // the beginning, and splits
+  EXPECT_EQ(count_rounds(true, 0) - count_rounds(false, 0), instants * (kRigidRounds + 1));
+  EXPECT_EQ(count_rounds(true, 0.5) - count_rounds(false, 0), instants * (kRoughRounds + 1));
+}
+
+TEST(StepCost, PlansWithRigidContactsHaveABoundThatGrowsWithTheirRows) {
+  Model smooth = build_rigid_feet(), rough = smooth, more = smooth;
+  rough.contacts[0].friction = 0.5;
+  more.surfaces[1].shapes.push_back(build_sphere(0.125, {0, 0, -0.125}));
+  for (const CostTarget* target : list_cost_targets()) {
+    const auto calc = [&](const Model& model) {
+      const Plan plan = compile_or_throw(model, {});
+      const StepCost cost = calc_step_cost(plan, *target, get_counted_limits(plan, 3, 2));
+      EXPECT_TRUE(cost.unmeasured.empty()) << target->name << ": " << cost.unmeasured.front();
+      return cost.instructions;
+    };
+    EXPECT_GT(calc(rough), calc(smooth)) << target->name;
+    EXPECT_GT(calc(more), calc(smooth)) << target->name;
+  }
+}
+
+TEST(StepLimits, AStepWithMoreRoundsThanAuditsCountsWithTheMostThatItMayHave) {
+  const Plan plan = compile_or_throw(build_bouncing_ball(1, 0.5), {});
+  const StepLimits most = calc_step_limits(plan);
+  EXPECT_EQ(get_counted_limits(plan, 3, 2).rounds, 2);
+  EXPECT_EQ(get_counted_limits(plan, 3, 1000).rounds, most.rounds);
+}
+
+TEST(StepLimits, WhereEventsAloneSplitAStepEachSplitHasItsRound) {
+  Model model = build_pendulum(true, 0);
+  model.events = {at_time(0.1, 0, false), at_time(0.2, 0, false)};
+  const StepLimits limits = get_counted_limits(compile_or_throw(model, {}), 9, 1);
+  EXPECT_EQ(limits.sub_steps, 2);
+  EXPECT_EQ(limits.tries, 9);
+  EXPECT_EQ(limits.searches, 7);
+}
+
 TEST(StepCost, ItGrowsWithEveryLimit) {
   const Plan plan = compile_or_throw(build_dropped_ball(1), {});
   const CostTarget& target = *list_cost_targets().front();
@@ -97,6 +143,39 @@ TEST(StepCost, MoreBodiesCostMore) {
 TEST(StepCost, EveryTargetIsFoundByItsName) {
   for (const CostTarget* target : list_cost_targets()) EXPECT_EQ(find_cost_target(target->name), target);
   EXPECT_EQ(find_cost_target("vax"), nullptr);
+}
+
+// Two loads that share an exponential; `apart`: an event switches one of them off.
+double count_exponentials(bool apart) {
+  Model model;
+  model.bodies = {box("body", 1, 1, 1, 1)};
+  Profile profile;
+  profile.kind = Profile::Kind::kExponential;
+  profile.initial = 1;
+  profile.tau = 1;
+  for (const char* name : {"a", "b"}) {
+    Load load;
+    load.name = name;
+    load.profile = profile;
+    model.loads.push_back(load);
+  }
+  if (apart) {
+    Event event = at_time(0.1, 0, false);
+    event.then = {{.kind = Action::Kind::kSwitch, .subject = 1, .value = 0.5}};
+    model.events = {event};
+  }
+  return cost::count_work(compile_or_throw(model, {}), 1)[cost::Unit::kExponentials];
+}
+
+TEST(Work, LoadsThatAreSwitchedAlikeReadOneValueOfTheirProfile) {
+  EXPECT_EQ(count_exponentials(false), 1);
+  EXPECT_EQ(count_exponentials(true), 2);
+}
+
+TEST(Work, EveryUnitHasANameOfItsOwn) {
+  std::set<std::string> names;
+  for (const char* name : cost::kUnitNames) EXPECT_TRUE(names.insert(name).second) << name;
+  EXPECT_EQ(names.size(), cost::kUnits);
 }
 
 TEST(Work, NarrowerPacksNeedMorePasses) {
