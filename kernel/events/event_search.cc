@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/events/corners.h"
 #include "kernel/events/crossing.h"
 #include "kernel/events/guards.h"
@@ -369,6 +370,22 @@ void update_tolerances(Run& run) {
     s.tolerances[e] = crosses(run, e) ? kSimultaneous * (s.guards_high[e] - s.guards_low[e]) : 0;
 }
 
+// The end of a sub-step whose stages are all before `reached`, the instant at which guard `first` jumps because the
+// force of a closed rigid pair does: a corner of a shape passes, and the latest stage is on the one side or the other
+// by rounding, with a sixth of the jump over the whole sub-step. What is left after such an end is as much shorter,
+// until it does not matter. `reached` if no such force jumps.
+double calc_end_before_jump(Run& run, const SubstepStart& start, double reached, std::size_t first) {
+  constexpr double kPart = 1.0 / 256, kShortest = 1e-9;  // of the sub-step; s
+  const PlanData& plan = run.plan;
+  if (first < plan.events.size() || reached - start.t < kShortest || is_near_zero(run, first)) return reached;
+  const std::size_t pair = first - plan.events.size();
+  const bool held = is_held(run.state().contacts[pair]);
+  if (!held || !plan.contacts[at(plan.contact_pairs[pair].contact)].rigid) return reached;
+  if (run.search().features == kMostFeatureSplits) return reached;
+  ++run.search().features;
+  return reached - kPart * (reached - start.t);
+}
+
 // Stops at the first of the crossings up to `end`. Out of line, so that a sub-step without events needs few registers.
 [[gnu::noinline]] Reached stop_at_first(Run& run, const SubstepStart& start, double end) {
   EventSearch& s = run.search();
@@ -376,6 +393,11 @@ void update_tolerances(Run& run) {
   update_tolerances(run);
   const double reached = locate(run, start, end, first);
   if (reached == kFailed) return {kFailed, false};
+  if (const double before = calc_end_before_jump(run, start, reached, first); before < reached) {
+    if (!try_substep(run, start, before)) return {kFailed, false};
+    if (run.ev().guards[first] < 0) return {before, false};
+    if (!try_substep(run, start, reached)) return {kFailed, false};
+  }
   s.tolerances[first] = std::max(s.tolerances[first], -run.ev().guards[first]);
   return {reached, true};
 }

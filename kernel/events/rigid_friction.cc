@@ -277,6 +277,16 @@ bool is_undecided(const Run& run, std::size_t pair) noexcept {
   return !(dot(reference, reference) > 0);
 }
 
+bool is_friction_changing(const Run& run, std::size_t pair) noexcept {
+  constexpr double kSlow = 1e-5, kNear = 1e-4;  // m/s that a located slip has at most; of the cone
+  const Evaluation& ev = run.ev();
+  const PlanContact& contact = run.plan.contacts[at(run.plan.contact_pairs[pair].contact)];
+  if (!(contact.friction > 0)) return false;
+  const bool sticks = run.state().contacts[pair].closed == kPairSticks;
+  const double near = sticks ? kNear * contact.friction * std::abs(ev.pair_forces[pair]) : kSlow;
+  return ev.pair_slides[pair] >= -near;
+}
+
 bool change_friction(Run& run, std::size_t pair) noexcept {
   const Evaluation& ev = run.ev();
   const int r = find_row(ev, pair);

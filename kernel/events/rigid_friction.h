@@ -32,6 +32,10 @@ bool is_undecided(const Run& run, std::size_t pair) noexcept;
 // acceleration.
 bool would_turn(const Run& run, std::size_t pair, Vec3& direction) noexcept;
 void turn_slip(Run& run, std::size_t pair, const Vec3& direction) noexcept;
+// True if the friction of a held pair is about to begin or to end holding it. If it is not where the pair's guard
+// crosses zero, and its force is not about to fall to zero, then the force jumps: a corner of a shape has passed, and
+// the pair opens.
+bool is_friction_changing(const Run& run, std::size_t pair) noexcept;
 // The next mode of a pair whose friction begins or ends to hold it; where a slip ends, others that have all but ended
 // do as well. True if that slip was not located, so that some of it is left.
 bool change_friction(Run& run, std::size_t pair) noexcept;

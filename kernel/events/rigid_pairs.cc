@@ -20,13 +20,16 @@ constexpr std::int64_t kTouched = 1;  // in this round
 constexpr std::int64_t kSettles = 2;  // it touched, and does not bounce
 constexpr std::int64_t kPulled = 4;   // it was opened at this instant because its force would pull
 constexpr std::int64_t kStops = 8;    // its slip ended in this round, and what is left of it is stopped
-constexpr std::int64_t kTurn = 16;    // times the number of its slip's turns at this instant
+constexpr std::int64_t kRocks = 16;  // it touched at the end of a flight that was too short to be one, see comes_back()
+constexpr std::int64_t kTurn = 32;   // times the number of its slip's turns at this instant
 constexpr std::int64_t kMostTurns = 32;
 // All pairs: they were brought to rest, and have modes that were found together, at this instant.
 constexpr std::int64_t kRests = std::int64_t{1} << 40, kDecided = std::int64_t{1} << 41;
 
 // m: a pair that bounced touches again this much nearer, one that was opened at rest; a located touch is no deeper.
 constexpr double kBounced = 1e-12, kRested = 1e-10, kDeepest = 1e-8;
+// A pair that comes back soon so often in a step rocks.
+constexpr std::int64_t kMostReturns = 2;
 // Rounds for each pair in which one after the other changes.
 constexpr std::size_t kRoundsOfPivots = 4;
 // Part of forces, impulses and accelerations that is rounding; of rates, by which redundant rows contradict each other.
@@ -73,7 +76,8 @@ void forget_friction(Run& run, std::size_t pair) {
   run.ev().pair_frictions[pair] = {0, 0, 0};
 }
 
-void open(Run& run, std::size_t pair, double nearer) {
+void open(Run& run, double now, std::size_t pair, double nearer) {
+  run.search().rigid_lifts[pair] = now;
   run.state().contacts[pair] = {kPairOpen, std::min(0.0, run.ev().pair_distances[pair]) - nearer};
   run.ev().pair_forces[pair] = 0;
   forget_friction(run, pair);
@@ -82,6 +86,13 @@ void open(Run& run, std::size_t pair, double nearer) {
 void close(Run& run, std::size_t pair) {
   run.state().contacts[pair] = {kPairClosed, 0};
   forget_friction(run, pair);
+}
+
+// True if a pair that left in this step comes back after less than its contact's `settle`, and by the acceleration −g
+// of its gap: not faster than that makes it, as it would be if it had met something between.
+bool comes_back(const Run& run, double now, std::size_t pair, const RigidRow& row, double g) {
+  const double flight = now - run.search().rigid_lifts[pair];
+  return flight < get_contact(run.plan, pair).settle && -row.rate <= flight * g;
 }
 
 // Closes a pair. Its next flight would last 2 e |w⁻| / g at the acceleration −g of the gap. False if its contact was
@@ -99,8 +110,10 @@ bool begin_touch(Run& run, double now, std::size_t pair) {
   run.ev().rigid.failed = kNone;
   if (!(row.rate < 0)) return true;
   const double speed = contact.restitution * -row.rate, g = -calc_gap_acceleration(run, row);
-  if (speed == 0 || !(2 * speed < contact.settle * g)) return true;
-  flags |= kSettles;
+  const bool rocks = comes_back(run, now, pair, row, g) && ++run.search().rigid_returns[pair] >= kMostReturns;
+  if (!rocks && !(2 * speed < contact.settle * g)) return true;
+  flags |= rocks ? kSettles | kRocks : kSettles;
+  if (!rocks && speed == 0) return true;  // it does not bounce anyway
   ++run.report.settled;
   run.report.settling = run.plan.contact_pairs[pair].contact;
   return true;
@@ -142,7 +155,7 @@ bool check_forces(Run& run) {
 }
 
 // The changes of one pair after the other have not ended: all pairs at once, in two rounds. 0 if there is nothing left.
-int decide_together(Run& run) {
+int decide_together(Run& run, double now) {
   if (is_marked(run, kDecided)) return check_forces(run) ? 0 : kFailedTouch;
   if (!is_marked(run, kRests)) {
     for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
@@ -154,21 +167,22 @@ int decide_together(Run& run) {
   mark_all(run, kDecided);
   if (!find_friction_modes(run)) return kFailedTouch;
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i)
-    if (get_contact(run.plan, i).rigid && run.state().contacts[i].closed == kPairLeaves) open(run, i, kRested);
+    if (get_contact(run.plan, i).rigid && run.state().contacts[i].closed == kPairLeaves) open(run, now, i, kRested);
   return 1;
 }
 
 // Opens or closes the first pair that has the wrong sign, or lets it slip or stick; 0 if none has.
-int pivot(Run& run, std::span<const double> guards, std::span<const double> below) {
+int pivot(Run& run, double now, std::span<const double> guards, std::span<const double> below) {
   const double largest = calc_largest_force(run);
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
     if (!get_contact(run.plan, i).rigid) continue;
     const bool held = is_held(run.state().contacts[i]);
     if (held && is_undecided(run, i)) {
       change_friction(run, i);
-    } else if (held && guards[i] >= -below[i] && !(run.ev().pair_forces[i] > below[i])) {
+    } else if (held && guards[i] >= -below[i] &&
+               (!(run.ev().pair_forces[i] > below[i]) || !is_friction_changing(run, i))) {
       if (run.ev().pair_forces[i] < 0) run.search().rigid[i] |= kPulled;
-      open(run, i, kRested);
+      open(run, now, i, kRested);
     } else if ((held && guards[i] >= -below[i]) || would_stick(run, i, largest)) {
       if (change_friction(run, i)) run.search().rigid[i] |= kStops;
     } else if (would_overlap(run, i, largest)) {
@@ -291,6 +305,28 @@ int prepare_impulse(Run& run, double now) {
   return kNone;
 }
 
+// The impulses with which no gap has a rate, and no pair that sticks a slip.
+void stop_rows(Evaluation& ev) {
+  RigidScratch& s = ev.rigid;
+  RigidSet set = 0;
+  for (int r = 0; r < s.count; ++r) {
+    const RigidRow& row = s.rows[at(r)];
+    s.loads[at(r)] = -row.rate;
+    if (row.tangent == 0 || s.rows[at(r - row.tangent)].mode == RigidMode::kSticks) set |= RigidSet{1} << r;
+  }
+  solve_rigid_set(set, ev);
+}
+
+// True if what touches in this round rocks from one pair to another, in flights that are too short to be any.
+bool is_rocking(const Run& run) {
+  bool any = false;
+  for (const std::int64_t flags : run.search().rigid) {
+    if ((flags & kRocks) != 0) any = true;
+    if ((flags & (kTouched | kSettles)) == kTouched) return false;
+  }
+  return any;
+}
+
 // The bodies get the impulses of the rows. Returns as strike_rigid_pairs().
 int apply_rigid_impulse(Run& run, Balance& allowed) {
   const PlanData& plan = run.plan;
@@ -334,13 +370,13 @@ int change_rigid_pairs(Run& run, double now, std::size_t round, std::span<const 
   int count = 0;
   for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
     if (!get_contact(plan, i).rigid) continue;
-    run.search().rigid[i] &= ~(kTouched | kSettles | kStops);
+    run.search().rigid[i] &= ~(kTouched | kSettles | kStops | kRocks);
     const std::int64_t closed = run.state().contacts[i].closed;
     const bool on = calc_scale(run.state().elements[at(get_contact(plan, i).element)], now) != 0;
     if (closed == kPairOpen && guards[i] >= -below[i]) {
       if (!begin_touch(run, now, i)) return kFailedTouch;
     } else if (closed == kPairLeaves || (closed != kPairOpen && !on)) {
-      open(run, i, closed == kPairLeaves ? kBounced : kRested);
+      open(run, now, i, closed == kPairLeaves ? kBounced : kRested);
     } else {
       continue;
     }
@@ -348,7 +384,7 @@ int change_rigid_pairs(Run& run, double now, std::size_t round, std::span<const 
   }
   if (count > 0) return count;
   const bool together = has_rigid_friction(plan) && round > kRoundsOfPivots * at(plan.rigid_pairs);
-  return together ? decide_together(run) : pivot(run, guards, below);
+  return together ? decide_together(run, now) : pivot(run, now, guards, below);
 }
 
 bool has_rigid_impulse(const Run& run, bool jumped) noexcept {
@@ -363,6 +399,12 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
   const PlanData& plan = run.plan;
   RigidScratch& s = run.ev().rigid;
   if (const int failed = prepare_impulse(run, now); failed != kNone) return failed;
+  s.yield = 0;
+  if (is_rocking(run)) {
+    stop_rows(run.ev());
+    set_modes(run);
+    return apply_rigid_impulse(run, allowed);
+  }
   for (int r = 0; r < s.count; ++r) {
     const RigidRow& row = s.rows[at(r)];
     const bool bounces =
@@ -371,7 +413,6 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
     s.loads[at(r)] = -(1 + restitution) * row.rate;
     s.pivots[at(r)] = restitution;
   }
-  s.yield = 0;
   if (has_rigid_friction(plan)) {
     if (!find_friction_impulses(plan, s.pivots, run.ev())) return kRigidFailure;
     if (s.yield > run.report.yielded) {
@@ -389,15 +430,8 @@ int strike_rigid_pairs(Run& run, double now, Balance& allowed) noexcept {
 int stop_rigid_slips(Run& run, double now, Balance& allowed) noexcept {
   const auto stops = [](std::int64_t flags) { return (flags & kStops) != 0; };
   if (std::none_of(run.search().rigid.begin(), run.search().rigid.end(), stops)) return kNone;
-  RigidScratch& s = run.ev().rigid;
   if (const int failed = prepare_impulse(run, now); failed != kNone) return failed;
-  RigidSet set = 0;
-  for (int r = 0; r < s.count; ++r) {
-    const RigidRow& row = s.rows[at(r)];
-    s.loads[at(r)] = -row.rate;
-    if (row.tangent == 0 || s.rows[at(r - row.tangent)].mode == RigidMode::kSticks) set |= RigidSet{1} << r;
-  }
-  solve_rigid_set(set, run.ev());
+  stop_rows(run.ev());
   return apply_rigid_impulse(run, allowed);
 }
 

@@ -125,7 +125,10 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
   arena.take(search.altitudes_low, plan.air_corners.empty() ? 0 : plan.aerodynamics.size());
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
-  arena.take(search.rigid, plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0);
+  const std::size_t rigid = plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0;
+  arena.take(search.rigid, rigid);
+  arena.take(search.rigid_returns, rigid);
+  arena.take(search.rigid_lifts, rigid);
   // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.
   const std::size_t instants = static_cast<std::size_t>(plan.options.max_splits) + 2;
   arena.take(data.events.fired, events * instants);

@@ -333,6 +333,8 @@ struct EventSearch {
   std::span<double> stack;                    // of values, for the evaluation of one guard
   std::span<std::int64_t> rigid;              // per pair of shapes, if there are rigid contacts: what it did at this
                                               // instant, see kernel/events/rigid_pairs.h
+  std::span<std::int64_t> rigid_returns;      // likewise: how often it has come back soon in this step
+  std::span<double> rigid_lifts;              // likewise: when it opened last in this step, s; else −∞
 };
 
 // Events that acted in a step. StepReport has views of them, which hold until the next step.

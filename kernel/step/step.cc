@@ -241,6 +241,8 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   const double begin = plan.get_time(state.header->tick), end = plan.get_time(state.header->tick + 1);
   run.events().fired_count = run.events().audit_count = run.events().change_count = 0;
   run.search().corners = run.search().features = 0;
+  std::fill(run.search().rigid_returns.begin(), run.search().rigid_returns.end(), std::int64_t{0});
+  std::fill(run.search().rigid_lifts.begin(), run.search().rigid_lifts.end(), -HUGE_VAL);
 
   // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed, repeated)) return finish(run);

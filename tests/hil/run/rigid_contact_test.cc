@@ -92,6 +92,87 @@ TEST(RigidContacts, TheEnergyBalanceCloses) {
   EXPECT_NEAR(energy.impulses, -kWeight * 0.2, 1e-4);
 }
 
+// The force that holds a sphere of 1 mm on the flat would have to pull at the edge, where its centre would turn about
+// it with v²/r = 1270 m/s².
+TEST(RigidContacts, ASlipLeavesTheEdgeOfATableWithTheSpeedThatItHasThere) {
+  for (const double dt : {1e-3, 1.7e-4}) {
+    const AnalysedRun run(R"(unlatch: 1
+name: edge
+step: {dt: )" + std::to_string(dt) +
+                          R"(, until: 0.5}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: table, box: {centre: [0, 0, -0.05], size: [1, 1, 0.1]}}]}
+bodies:
+  slider: {mass: 2, inertia: [1e6, 1e6, 1e6], position: [0, 0, 1 mm], velocity: [1.5, 0, 0], shape: [{name: tip, sphere: {radius: 1 mm}}]}
+contacts:
+  foot: {between: [ground.table, slider], rigid: true, friction: 0.1}
+requirements:
+  - {id: speed, velocity: {body: slider, along: [1, 0, 0]}, take: final, at_most: 10 m/s}
+)");
+    const double brake = 0.1 * 9.81, speed = std::sqrt(1.5 * 1.5 - 2 * brake * 0.5);
+    EXPECT_NEAR(run.judge("speed").value, speed, 1e-7) << dt;
+    const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
+    ASSERT_EQ(contacts[0].list.size(), 1u);
+    ASSERT_TRUE(contacts[0].list[0].lift);
+    EXPECT_NEAR(*contacts[0].list[0].lift, (1.5 - speed) / brake, 1e-7) << dt;
+    EXPECT_NEAR(contacts[0].totals.impulse, kWeight * (1.5 - speed) / brake, 1e-5) << dt;
+  }
+}
+
+// A block on two feet, b to both sides of its centre, rocks with less and less (G. W. Housner, Bull. Seism. Soc. Am.
+// 53, 1963; here without friction, so that its centre moves up and down): each blow leaves the part (J - m b²)/(J + m
+// b²) of its rate, and it rests after a sum of infinitely many flights.
+TEST(RigidContacts, ABlockThatRocksComesToRestWhenTheSeriesOfItsFlightsEnds) {
+  const double m = 2, J = 0.06, b = 0.1, angle = 0.02;
+  for (const char* friction : {"", ", friction: 0.3"}) {
+    const AnalysedRun run(R"(unlatch: 1
+name: rock
+step: {dt: 1 ms, until: 0.6}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{name: floor, half_space: {point: [0, 0, 0], normal: [0, 0, 1]}}]}
+bodies:
+  block: {mass: 2, inertia: [1, 0.06, 1], position: [0, 0, 0.01 + 0.19*cos(0.02) + 0.1*sin(0.02)], attitude: {rotate: [[y, 0.02]]}, shape: [{name: left, sphere: {centre: [-0.1, 0, -0.19], radius: 10 mm}}, {name: right, sphere: {centre: [0.1, 0, -0.19], radius: 10 mm}}]}
+contacts:
+  left: {between: [ground.floor, block.left], rigid: true)" +
+                          std::string(friction) + R"(}
+  right: {between: [ground.floor, block.right], rigid: true)" +
+                          friction + R"(}
+requirements:
+  - {id: rate, rate: {body: block}, take: final, at_most: 10 rad/s}
+)");
+    EXPECT_LT(run.judge("rate").value, 1e-12) << friction;
+    EXPECT_TRUE(run.judge("rate").is_met()) << "and resolved";
+    const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
+    for (const hil::ContactRecord& contact : contacts) {
+      EXPECT_TRUE(contact.closed) << friction;
+      EXPECT_LT(contact.touches, 16) << friction;
+    }
+    if (*friction != '\0') continue;  // its feet stick, and the centre moves on arcs
+    const double pull = m * 9.81 * b / (J + m * b * b), fall = std::sqrt(2 * angle / pull), rate = pull * fall;
+    const double kept = (J - m * b * b) / (J + m * b * b), rest = fall + 2 * rate / pull * kept / (1 - kept);
+    const double latest = std::max(contacts[0].list.back().time, contacts[1].list.back().time);
+    EXPECT_NEAR(latest, rest, 1e-3) << "what is left are flights below half of a step, and angles of 0.02² beside 0.02";
+  }
+}
+
+// Flights of 0.15 ms are shorter than half of a step, and yet flights: the ball does not come back by itself.
+TEST(RigidContacts, ABallThatRattlesBetweenTwoWallsKeepsItsSpeed) {
+  const AnalysedRun run(R"(unlatch: 1
+name: rattle
+step: {dt: 1 ms, until: 0.05}
+ground: {shape: [{name: left, half_space: {point: [-0.01015, 0, 0], normal: [1, 0, 0]}}, {name: right, half_space: {point: [0.01015, 0, 0], normal: [-1, 0, 0]}}]}
+bodies:
+  ball: {mass: 2, inertia: [1, 1, 1], velocity: [2, 0, 0], shape: [{name: skin, sphere: {radius: 10 mm}}]}
+contacts:
+  left: {between: [ground.left, ball], rigid: true, restitution: 1}
+  right: {between: [ground.right, ball], rigid: true, restitution: 1}
+requirements:
+  - {id: speed, velocity: {body: ball}, take: final, at_most: 10 m/s}
+)");
+  EXPECT_NEAR(run.judge("speed").value, 2, 1e-12);
+  EXPECT_EQ(run.analysis.list_contacts()[0].touches + run.analysis.list_contacts()[1].touches, 333);
+}
+
 TEST(RigidContacts, ABlowThatIsNotFoundExactlyLeavesItsBodiesUnresolved) {
   const hil::Scenario scenario = hil::load_scenario_text(build_ball("0.2", "rigid: true, restitution: 0.5"), "s.yaml");
   const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);

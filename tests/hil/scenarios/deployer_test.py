@@ -10,6 +10,7 @@ import re
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
 ALIGNED, MISALIGNED = SCENARIOS / "deployer/scenario.yaml", SCENARIOS / "deployer/misaligned.yaml"
+RIGID = SCENARIOS / "deployer/rigid.yaml"
 CONTACTS = [f"{kind}{i}" for kind in ("fore", "aft", "lip") for i in range(1, 5)]
 # The door stays shut, and the latch opens at 0.1 s: two bodies, as in the reference.
 TWO_BODIES = ["--set", "events.open.enabled=false", "--set", "events.release.when={time: 0.1}", "--set", "events.release.delay=0"]
@@ -44,6 +45,22 @@ class DeployerTest(ProcessTest):
         self.assertLess(verdicts["tipoff"]["value"], math.radians(0.05))
         self.assertTrue(all(verdict["met"] for verdict in verdicts.values()))
         self.assertFalse([event for event in found["events"] if event["subject"] in CONTACTS])
+
+    # Rigid rails are what stiff ones tend to, with 1/√k; and their motion does not depend on the step.
+    def test_rigid_rails_are_the_limit_of_stiff_ones(self):
+        def get_tipoff(scenario, *options):
+            return get_verdicts(run(scenario, *options))["tipoff"]["value"]
+
+        def harden(stiffness):
+            return [word for name in CONTACTS if not name.startswith("lip") for word in ("--set", f"contacts.{name}.stiffness={stiffness}")]
+
+        rigid = run(RIGID)
+        self.assertEqual(rigid["status"], "ok")
+        tipoff = get_verdicts(rigid)["tipoff"]["value"]
+        self.assertAlmostEqual(get_tipoff(RIGID, "--set", "step.dt=0.0005"), tipoff, delta=1e-5)
+        soft, hard = (abs(get_tipoff(MISALIGNED, *harden(k)) - tipoff) for k in ("1 MN/m", "100 MN/m"))
+        self.assertLess(hard, 2e-4)
+        self.assertAlmostEqual(soft / hard, 10, delta=1.5)
 
     def test_misaligned_it_moves_as_an_independent_integration(self):
         reference = json.loads((SOURCE / "tests/data/deployer.json").read_text())
