@@ -70,6 +70,9 @@ AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);
 
+// Sentence that names what the steps of a run, or a requirement's extreme between them, did not resolve; or empty.
+std::string describe_unresolved(const Scenario& scenario, const RunAnalysis& analysis);
+
 // Requirements on reactions whose values leave out the impulse of a blow: "without the impulse of a blow: ID, ID"; by
 // their numbers, "#0, #2", where the names are too long for a sample's message. Empty for none.
 std::string describe_blows(const Scenario& scenario, const RunAnalysis& analysis);
