@@ -153,8 +153,11 @@ AuditFrame calc_audit_frame(const Plan& owner, const State& state, const Workspa
     if (body.varying != kNone) own = ev.varying[at(body.varying)].mass;
     if (body.flexible != kNone && plan.flexible[at(body.flexible)].body == static_cast<int>(b))
       own = plan.flexible[at(body.flexible)].mass;
+    Vec3 v = state.bodies[b].v;  // of the centre of mass
+    if (body.varying != kNone)
+      v += cross(read_kinematics(ev, static_cast<int>(b)).w, ev.varying[at(body.varying)].centre);
     mass += own;
-    momentum += own * state.bodies[b].v;
+    momentum += own * v;
   }
   return {.grounded = false, .velocity = (1 / mass) * momentum};
 }

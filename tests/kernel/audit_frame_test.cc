@@ -95,6 +95,17 @@ TEST(AuditFrame, CountsTheMassOfABodyThatBendsOnce) {
   expect_frame(model, {2 * 6 / (mass + 2), mass * 3 / (mass + 2), 2 * 1 / (mass + 2)});
 }
 
+TEST(AuditFrame, MovesWithTheCentreOfMassOfABodyWithAMassLawAndNotWithItsOrigin) {
+  Model model = build_two("rocket");
+  Body& rocket = model.bodies[0];
+  const Eigen::Vector3d centre(0, 0.5, 0);
+  rocket.law.emplace();
+  rocket.law->knots = {{0, rocket.mass, centre, rocket.inertia}, {9, rocket.mass, centre, rocket.inertia}};
+  rocket.w_WB_B = {0, 0, 4};
+  // ω × r = (−2, 0, 0) m/s
+  expect_frame(model, kOfTwo + Vec3{3 * -2.0 / 5, 0, 0});
+}
+
 TEST(AuditFrame, RestsWhileTheGroundHoldsABodyByAnElementThatIsOn) {
   for (const bool is_base : {true, false}) {
     Model ball = build_dropped_ball(0);

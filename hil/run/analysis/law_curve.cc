@@ -14,7 +14,12 @@ namespace {
 
 constexpr int kLastPart = 6, kMostEvaluations = 400;  // in an interval
 constexpr double kOffLine = 1e-9;                     // of the value's size: rounding of a straight line
+constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kGain = 1e-7;  // what bounds may promise below the known, relative to the law's size
+
+bool is_alike(double value, double other) {
+  return std::abs(value - other) <= kOffLine * std::max(1.0, std::abs(value));
+}
 
 // Whether a straight line goes on to this value.
 bool goes_on(const SampledCurve& curve, double time, double value) {
@@ -22,7 +27,15 @@ bool goes_on(const SampledCurve& curve, double time, double value) {
   if (times.empty()) return true;
   const std::size_t count = std::min<std::size_t>(times.size(), 2);
   const double expected = count == 1 ? value : interpolate(times.last(2), values.last(2), time);
-  return std::abs(value - expected) <= kOffLine * std::max(1.0, std::abs(value));
+  return is_alike(value, expected);
+}
+
+// Middle of the range of an angle that has come from one end to the other, rad; none for angles that have no such
+// range.
+std::optional<double> find_middle(double from, double to) {
+  const double middle = std::min(from, to) < -0.5 * std::numbers::pi ? 0 : std::numbers::pi;
+  const auto is_within = [&](double angle) { return std::abs(angle - middle) <= std::numbers::pi; };
+  return is_within(from) && is_within(to) ? std::optional(middle) : std::nullopt;
 }
 
 }  // namespace
@@ -38,18 +51,36 @@ LawCurve::LawCurve(const Model& model, const Plan& plan, int law)
       read_.push_back({.quantity = step.subject,
                        .curve = {},
                        .is_angle = get_unit(model, quantity) == "rad",
-                       .traits = &get_traits(quantity.kind)});
+                       .traits = &get_traits(quantity.kind),
+                       .middle = {}});
     }
 }
 
+bool LawCurve::begins_anew(std::span<const double> now, double next_time, std::span<const double> next) const {
+  return std::ranges::any_of(read_, [&](const Read& read) {
+    const double value = now[at(read.quantity)];
+    if (read.traits->holds) return value != read.latest;
+    return is_straight(*read.traits) &&
+           (!is_alike(value, read.latest) || !goes_on(read.curve, next_time, next[at(read.quantity)]));
+  });
+}
+
 void LawCurve::add(double time, std::span<const double> quantities, std::span<const double> commands, bool begins) {
-  for (const Read& read : read_)
-    begins = begins || (read.is_angle && std::abs(quantities[at(read.quantity)] - read.latest) > std::numbers::pi) ||
-             (read.traits->holds && quantities[at(read.quantity)] != read.latest) ||
-             (is_straight(*read.traits) && !goes_on(read.curve, time, quantities[at(read.quantity)]));
+  const auto is_jump = [&](const Read& read) {
+    return read.is_angle && std::abs(quantities[at(read.quantity)] - read.latest) > std::numbers::pi;
+  };
+  begins = begins || std::ranges::any_of(read_, [&](const Read& read) {
+             return is_jump(read) && !find_middle(read.latest, quantities[at(read.quantity)]);
+           });
   for (Read& read : read_) {
-    read.latest = quantities[at(read.quantity)];
-    read.curve.add(time, read.latest, begins);
+    const double value = quantities[at(read.quantity)];
+    if (!begins && is_jump(read)) {
+      read.turned += kTurn * std::nearbyint((read.latest - value) / kTurn);
+      read.middle = find_middle(read.latest, value);
+    }
+    if (begins) read.turned = 0;
+    read.latest = value;
+    read.curve.add(time, value + read.turned, begins);
   }
   knots_ = begins ? 1 : std::min(knots_ + 1, 3);
   std::swap(before_, latest_);
@@ -70,13 +101,20 @@ void LawCurve::finish(Smallest* low, Smallest* high) {
   if (high != nullptr) search(latest_, -1, *high);
 }
 
+// Of an angle, within its range: where it goes on at the other end in between, it may be anything there.
+Course LawCurve::Read::calc_course(double from, double to) const {
+  const Course whole = Course::of_parabola(curve.calc(from), curve.calc(0.5 * (from + to)), curve.calc(to));
+  if (!middle) return whole;
+  const auto count_turns = [&](double angle) { return std::nearbyint((angle - *middle) / kTurn); };
+  const auto wrap = [&](double angle) { return angle - kTurn * count_turns(angle); };
+  Course course{wrap(whole.begin), wrap(whole.middle), wrap(whole.end), *middle - 0.5 * kTurn, *middle + 0.5 * kTurn};
+  if (count_turns(whole.low) == count_turns(whole.high)) course.low = wrap(whole.low), course.high = wrap(whole.high);
+  return course;
+}
+
 // The law and its bounds from one time to another, what it reads being a parabola through the three instants.
 void LawCurve::update(const Interval& interval, double from, double to) {
-  const double middle = 0.5 * (from + to);
-  for (const Read& read : read_) {
-    quantities_[at(read.quantity)] =
-        Course::of_parabola(read.curve.calc(from), read.curve.calc(middle), read.curve.calc(to));
-  }
+  for (const Read& read : read_) quantities_[at(read.quantity)] = read.calc_course(from, to);
   courses_.update(behind_, interval.commands, quantities_);
 }
 

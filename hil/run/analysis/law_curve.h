@@ -8,6 +8,7 @@
 // Cost: three evaluations of the law with its bounds for each interval; some hundred where they admit a smaller value.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,10 @@ class LawCurve {
   // Of this law of the model. Keeps references to both.
   LawCurve(const Model& model, const Plan& plan, int law);
 
+  // True if the curve cannot go on smoothly through the latest knot, which is at the instant of an event: the
+  // quantities there after the event, and those of the next knot. Then call finish(), and add the latest knot as it is
+  // now.
+  [[nodiscard]] bool begins_anew(std::span<const double> now, double next_time, std::span<const double> next) const;
   // Adds a knot, in the order of time: the model's quantities there, and the commands since the knot before; `begins`:
   // it does not continue the curve before smoothly.
   void add(double time, std::span<const double> quantities, std::span<const double> commands, bool begins);
@@ -46,8 +51,11 @@ class LawCurve {
     int quantity;
     SampledCurve curve;
     double latest = 0;
-    bool is_angle;  // goes on at the other end of its range
+    bool is_angle;  // goes on at the other end of its range, of one turn; the curve counts turns
     const QuantityTraits* traits = nullptr;
+    double turned = 0;             // rad, of the curve beyond the range
+    std::optional<double> middle;  // of the range, rad, where it has come to its ends
+    [[nodiscard]] Course calc_course(double from, double to) const;
   };
   int law_;
   std::vector<int> behind_;

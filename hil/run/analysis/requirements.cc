@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/run/analysis/assemblies.h"
+#include "hil/run/analysis/extreme_verdict.h"
 #include "hil/run/analysis/straight_quantity.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
@@ -34,10 +35,15 @@ bool is_of_motion(const Requirement& r) {
   return r.quantity == Measure::kContact && (value == Value::kForce || value == Value::kDepth);
 }
 
-// The size of a vector, known at knots alone: near its zeros it has a corner, and its square has none.
-bool is_size(const Model& model, const Requirement& r) {
-  if (r.quantity == Measure::kReaction || r.quantity == Measure::kSensor) return r.axis < 0;
-  return r.quantity == Measure::kQuantity && unlatch::is_size(model.quantities[at(r.a)]);
+// What of a quantity that is known at knots alone has no corner.
+SmoothPart find_smooth_part(const Model& model, const Requirement& r) {
+  if (r.quantity == Measure::kReaction || r.quantity == Measure::kSensor)
+    return r.axis < 0 ? SmoothPart::kSquare : SmoothPart::kItself;
+  if (r.quantity != Measure::kQuantity) return SmoothPart::kItself;
+  const unlatch::Quantity& quantity = model.quantities[at(r.a)];
+  if (get_traits(quantity.kind).values == QuantityValues::kQuaternion && quantity.part == unlatch::Quantity::kSize)
+    return SmoothPart::kOfAngle;
+  return unlatch::is_size(quantity) ? SmoothPart::kSquare : SmoothPart::kItself;
 }
 
 // The quantity that is a law and that the requirement is on, itself or by a sensor's true value; null: none.
@@ -128,6 +134,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& pla
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    track.part = find_smooth_part(scenario.model, requirement);
     track.straight = goes_straight(scenario.model, requirement);
     track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
@@ -158,6 +165,11 @@ double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& kno
   double sum = 0;
   for (const double value : values) sum += value * value;
   return std::sqrt(sum);
+}
+
+void RequirementMonitor::add_to_curve(Track& track, double time, double value, bool begins) {
+  track.curve.add(time, to_smooth(track.part, value), begins);
+  if (track.phase == Phase::kOpen) track.bounds.add(time, to_smooth(track.part, value), begins);
 }
 
 template <class BodyAt>
@@ -197,7 +209,7 @@ double RequirementMonitor::calc_within(const Track& track, const MotionWindow& w
   if (r.received) return track.last;
   if (is_sampled(r)) {
     const double value = track.curve.calc(time);
-    return is_size(scenario_.model, r) ? std::sqrt(std::max(value, 0.0)) : value;
+    return from_smooth(track.part, value);
   }
   if (is_of_motion(r)) {
     const ContactReading reading = contacts_.calc(window, r.a, time);
@@ -241,6 +253,7 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
       track.has_last = true;
       track.low.add(after.time, track.last);
       track.high.add(after.time, -track.last);
+      track.bounds.take(to_smooth(track.part, track.last));
     }
   }
 }
@@ -263,6 +276,7 @@ void RequirementMonitor::finish(Track& track, const MotionWindow& window) const 
     track.law->finish(takes_low(take) ? &track.low : nullptr, takes_high(take) ? &track.high : nullptr);
     return;
   }
+  track.bounds.finish();
   track.low.finish([&](double time) { return calc_within(track, window, time); });
   track.high.finish([&](double time) { return -calc_within(track, window, time); });
 }
@@ -283,7 +297,10 @@ void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot&
     if (low != nullptr) low->take(knot.time, value);
     if (high != nullptr) high->take(knot.time, -value);
   };
-  if (begins) add(from, true);
+  // What changes at events alone, or is straight between them, may begin anew where the rest goes on smoothly.
+  const bool anew = !begins && track.law->begins_anew(from.quantities, to.time, to.quantities);
+  if (anew) track.law->finish(low, high);
+  if (begins || anew) add(from, true);
   add(to, false);
   track.law->search(low, high);
 }
@@ -322,7 +339,6 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
-    const auto to_curve = [&](double value) { return is_size(scenario_.model, r) ? value * value : value; };
     if (track.law) {
       track.last = calc_at(track, to);
       track.last_time = to.time;
@@ -342,11 +358,11 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       track.fresh = false;
       continue;
     }
-    if (is_sampled(r) && begins) track.curve.add(from.time, to_curve(start), true);
+    if (is_sampled(r) && begins) add_to_curve(track, from.time, start, true);
     track.last = start;
     track.has_last = true;
     const double end = calc_at(track, to);
-    if (is_sampled(r)) track.curve.add(to.time, to_curve(end), false);
+    if (is_sampled(r)) add_to_curve(track, to.time, end, false);
     if (track.phase == Phase::kOpen && takes_low(r.take))
       track.low.add(from.time, start, to.time, end, begins,
                     [&](double time) { return calc_within(track, window, time); });
@@ -463,6 +479,8 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
         verdict.margin = r.most - high;
       }
   }
+  if (is_sampled(r) && !r.received && !track.law && !track.straight)
+    judge_extreme(r, {low, high, track.bounds, track.part}, scenario_.dt, verdict);
   return verdict;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/analysis/extreme_bounds.h"
 #include "hil/run/analysis/law_curve.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
@@ -29,6 +30,8 @@ struct Verdict {
   // Of a reaction: a blow in the interval, whose impulse in the joint is no force; infinity: none. s
   double blow = std::numeric_limits<double>::infinity();
   [[nodiscard]] bool leaves_out_blow() const { return blow < std::numeric_limits<double>::infinity(); }
+  // How far the value may be wrong, at most, of an extreme of what is known at knots alone: extreme_bounds.h.
+  double uncertainty = 0;
   // Cause, if the value depends on something that the step did not resolve: then it is neither met nor missed.
   std::string unresolved;
   [[nodiscard]] bool is_resolved() const { return unresolved.empty(); }
@@ -68,8 +71,10 @@ class RequirementMonitor {
     Phase phase = Phase::kOpen;
     Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
-    std::optional<LawCurve> law;  // instead, of a quantity that is a law
-    bool straight = false;        // a straight line between events: its extremes are at knots
+    ExtremeBounds bounds;
+    std::optional<LawCurve> law;            // instead, of a quantity that is a law
+    SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
+    bool straight = false;                  // a straight line between events: its extremes are at knots
     bool has_last = false, fresh = true;
     bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
     bool apart = false;  // the latest piece had its contact open, so that it had no force and no depth
@@ -79,6 +84,7 @@ class RequirementMonitor {
   // True for quantities that are known at knots alone.
   [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
   [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
+  static void add_to_curve(Track& track, double time, double value, bool begins);
   template <class BodyAt>
   [[nodiscard]] double calc_of_bodies(const Track& track, const BodyAt& body_at) const;
   [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;

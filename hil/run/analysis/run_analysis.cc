@@ -136,7 +136,8 @@ std::vector<Verdict> RunAnalysis::judge() const {
     // A value of an instant depends on what came before it; a search over an interval, on all of it.
     const bool is_instant = verdict.evaluated && (requirement.at.is_named() || requirement.is_of_events());
     const double until = is_instant ? verdict.time : requirements_.get_end(verdict.requirement);
-    verdict.unresolved = unresolved.find_cause(requirement, until, verdict.evaluated ? verdict.time : HUGE_VAL);
+    std::string cause = unresolved.find_cause(requirement, until, verdict.evaluated ? verdict.time : HUGE_VAL);
+    if (!cause.empty()) verdict.unresolved = std::move(cause);
   }
   return verdicts;
 }

@@ -113,7 +113,8 @@ double UnseenCrossings::read(const Leaf& leaf, const MotionKnot& knot, std::span
           leaf.joint->calc_coordinate(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
       constexpr double kTurn = 2 * std::numbers::pi;
       if (own.axis < kRotX) return value;
-      return value - kTurn * std::nearbyint((value - leaf.latest.value_or(value)) / kTurn);  // turns counted
+      const double counted = knot.state.joints[subject].angle[own.axis - kRotX];  // turns from the joint's beginning
+      return value - kTurn * std::nearbyint((value - counted) / kTurn);
     }
     case ConditionAtKnots::kSpeeds:
       return leaf.joint->calc_speed(body_at(leaf.joint->get_base()), body_at(leaf.joint->get_follower()), own.axis);
@@ -145,7 +146,6 @@ void UnseenCrossings::add(Guard& guard, const MotionKnot& knot, std::span<const 
       leaf.holds = value > 0;
       continue;
     }
-    leaf.latest = value;
     leaf.curve.add(knot.time, value, begins);
   }
   if (begins) guard.count = 0;

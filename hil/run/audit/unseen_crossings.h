@@ -50,7 +50,6 @@ class UnseenCrossings {
     bool squared = false;  // the values are squares
     bool holds = false;    // of one that changes by events alone, or at ticks
     SampledCurve curve{};
-    std::optional<double> latest{};
   };
   struct Guard {
     int event = 0;

@@ -76,22 +76,37 @@ void UnseenEngagements::find(const Force& force, const MotionWindow& window, con
   const auto lack = [&](double time) {
     return sign * calc(force, from, window.calc_body(base, time), window.calc_body(follower, time)).value;
   };
-  Least least;
-  least.search(from.time, to.time, lack);
   // As much may be error of the interpolation, or rounding of places.
   constexpr double kNoise = 1e-6, kRounding = 1e-12;
   const double noise =
       kNoise * std::max(sign * first.value, sign * last.value) + kRounding * (1 + std::abs(force.limit));
-  if (!(least.get_value() < -noise)) return;
-  const auto cross = [&](double outside) {
-    double inside = least.get_time();
+  // It may be due more than once: it is searched about each place that is the least of its neighbours.
+  constexpr int kLooks = 8;
+  double times[kLooks + 1], values[kLooks + 1];
+  for (int i = 0; i <= kLooks; ++i) {
+    times[i] = i == kLooks ? to.time : from.time + (to.time - from.time) * i / kLooks;
+    values[i] = i == 0 ? sign * first.value : i == kLooks ? sign * last.value : lack(times[i]);
+  }
+  const auto cross = [&](double inside, double outside) {
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (inside + outside);
       (lack(middle) > 0 ? outside : inside) = middle;
     }
     return inside;
   };
-  found_.push_back({engaged ? force.end : force.begin, force.number, cross(from.time), cross(to.time)});
+  for (int i = 0; i <= kLooks; ++i) {
+    const int left = std::max(i - 1, 0), right = std::min(i + 1, kLooks);
+    if (values[i] > values[left] || values[i] > values[right]) continue;
+    Least least;
+    least.search(times[left], times[right], lack);
+    if (!(least.get_value() < -noise)) continue;
+    int before = least.get_time() < times[i] ? i - 1 : i, behind = before + 1;
+    while (!(values[before] > 0)) --before;
+    while (!(values[behind] > 0)) ++behind;
+    found_.push_back({engaged ? force.end : force.begin, force.number, cross(least.get_time(), times[before]),
+                      cross(least.get_time(), times[behind])});
+    i = std::max(i, behind - 1);
+  }
 }
 
 std::span<const UnseenEngagement> UnseenEngagements::find(const MotionWindow& window, const MotionKnot& from,

@@ -7,6 +7,7 @@
 #include "hil/run/notices/contact_resolution.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
+#include "hil/run/notices/profile_watch.h"
 #include "hil/run/notices/resolution.h"
 #include "hil/scenario/base/index.h"
 #include "hil/scenario/text/count.h"
@@ -57,6 +58,12 @@ void judge_loads(const Model& model, double dt, std::vector<Finding>& findings) 
           {"step", quoted("element", load.name),
            format("its table has %s within %.4g s; a step of %.4g s is split at %d at most, and passes over more",
                   count(kMostCorners + 1, "point").c_str(), shortest, dt, kMostCorners)});
+    if (const double frequency = find_frequency(load.profile); dt * frequency > kSineAngle)
+      findings.push_back(
+          {"step", quoted("element", load.name),
+           format("its sine of %.4g rad/s turns by %.3g rad in a step of %.4g s, which resolves %.2g: a step of %.3g s "
+                  "would do",
+                  frequency, dt * frequency, dt, kSineAngle, kRoundedDown * kUnresolvedSize / frequency)});
     if (load.profile.kind == Profile::Kind::kExponential && load.profile.tau < dt / kAccurate)
       findings.push_back(
           {"step", quoted("element", load.name),

@@ -204,6 +204,15 @@ void NoticeWatch::watch_profiles() {
             profile_notices_[i], "profile", load.name, size,
             [&] { return describe_size("dt over the time constant", size); }, bodies);
     }
+    if (const double frequency = find_frequency(load.profile); dt_ * frequency > kSineAngle)
+      report(
+          profile_notices_[i], "profile", load.name, dt_ * frequency,
+          [&] {
+            return format(
+                "its sine of %.4g rad/s turns by %.3g rad in a step, which resolves %.2g: a step of %.3g s would do",
+                frequency, dt_ * frequency, kSineAngle, kRoundedDown * kUnresolvedSize / frequency);
+          },
+          bodies);
     if (!begun_) continue;
     const double error = profiles_[i].add(std::max(s - dt_, 0.0), s);
     if (error > kProfileError)

@@ -10,8 +10,8 @@
 //   overshoot* an implicit spring, or a body with implicit modes, whose force changes abruptly, or differs for steps of
 //              half the length (implicit_audit.h); where it is only the speed of a spring's coordinate, the
 //              requirements on it are unresolved, and all that depends on its bodies where anything reads that speed
-//   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
-//              dt / tau beyond kAccurate
+//   profile*   a load's table whose impulse the step misses by more than kProfileError, an exponential profile with
+//              dt / tau beyond kAccurate, or a sine with dt·omega beyond kSineAngle
 //   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the
 //              start;
 //              a blow on several rough feet that is found to a part of its speeds only

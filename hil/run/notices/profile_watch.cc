@@ -31,6 +31,16 @@ double calc_impulse(const Profile& profile, double from, double to) {
 
 }  // namespace
 
+double find_frequency(const Profile& profile) {
+  if (profile.kind != Profile::Kind::kHarmonic) return 0;
+  double largest = 0, frequency = 0;
+  for (const Profile::Harmonic& sine : profile.harmonics) largest = std::max(largest, std::abs(sine.amplitude));
+  for (const Profile::Harmonic& sine : profile.harmonics)
+    if (sine.amplitude != 0 && std::abs(sine.amplitude) >= kSinePart * largest)
+      frequency = std::max(frequency, std::abs(sine.frequency));
+  return frequency;
+}
+
 ProfileWatch::ProfileWatch(const Profile& profile) : profile_(profile) {
   if (profile.kind != Profile::Kind::kTable) return;
   for (std::size_t i = 1; i < profile.times.size(); ++i)

@@ -13,6 +13,14 @@ namespace unlatch::hil {
 // not resolve it.
 inline constexpr double kProfileError = 1e-3;
 
+// Angle of a sine in a step, rad, beyond which the step does not resolve it: at the beginning, the middle and the end
+// of a step the method takes some 1/2880 of its fourth power from its impulse, and of larger angles may see anything.
+inline constexpr double kSineAngle = 1;
+// The largest angular frequency of a harmonic profile, of sines that are kSinePart of its largest or more, rad/s; 0 for
+// other profiles.
+inline constexpr double kSinePart = 1e-2;
+double find_frequency(const Profile& profile);
+
 class ProfileWatch {
  public:
   explicit ProfileWatch(const Profile& profile);  // keeps a reference

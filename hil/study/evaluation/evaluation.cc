@@ -101,7 +101,7 @@ class SampleEvaluator::Flight {
       result_.hash = end.hash;
       result_.model_hash = simulation_->get_model_hash();
       if (analysis_ && result_.status == SampleStatus::kDone) {
-        result_.message = analysis_->accuracy().describe_unresolved();
+        result_.message = describe_unresolved(*scenario_, *analysis_);
         if (!result_.message.empty()) result_.status = SampleStatus::kUnresolved;
       }
       if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);

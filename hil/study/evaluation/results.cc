@@ -118,6 +118,15 @@ struct Results {
 
 }  // namespace
 
+std::string describe_unresolved(const Scenario& scenario, const RunAnalysis& analysis) {
+  std::string text = analysis.accuracy().describe_unresolved();
+  if (!text.empty()) return text;
+  for (const Verdict& verdict : analysis.judge())
+    if (!verdict.is_resolved())
+      return "requirement " + scenario.requirements[verdict.requirement].id + ": " + verdict.unresolved;
+  return text;
+}
+
 std::string get_event_name(const Event& event) {
   return event.subject.empty() ? event.name : event.name + ":" + event.subject;
 }

@@ -72,6 +72,9 @@ AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);
 
+// Sentence that names what the steps of a run, or a requirement's extreme between them, did not resolve; or empty.
+std::string describe_unresolved(const Scenario& scenario, const RunAnalysis& analysis);
+
 // Full name of an event: "release:booster1", or the name alone.
 std::string get_event_name(const Event& event);
 

@@ -94,6 +94,58 @@ TEST(LawCurve, APeakOfASmoothExpressionIsLocated) {
   EXPECT_NEAR(most.value, -1, kExact);
 }
 
+// A ball that goes along x through 0 at 0.61 s, and a signal that is raised in the same step, before or behind.
+hil::Verdict pass_beside_a_signal(const std::string& time) {
+  return AnalysedRun(R"(unlatch: 1
+name: beside
+step: {dt: 50 ms, until: 1.2}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], position: [-0.427, 0, 0], velocity: [0.7, 0, 0]}
+signals: [s]
+quantities:
+  x: {position: {body: ball, component: x}}
+  sig: {signal: s}
+  e: {expression: "abs(x) / (1 m) + 0 * sig"}
+events:
+  - {name: raised, when: {time: )" +
+                     time + R"(}, then: [{raise: s}]}
+requirements:
+  - {id: r, quantity: e, at_least: 0}
+)")
+      .judge("r");
+}
+
+TEST(LawCurve, IntervalsBesideAnEventThatChangesWhatItReadsAreSearched) {
+  for (const std::string time : {"0.603", "0.617", "0.57", "0.64", "0.66"}) {
+    const hil::Verdict least = pass_beside_a_signal(time);
+    EXPECT_NEAR(least.value, 0, kExact) << time;
+    EXPECT_NEAR(least.time, kCrossing, kLocated) << time;
+  }
+}
+
+// A body whose longitude goes from half a turn to minus half a turn at some 1.525 s, within a step.
+TEST(LawCurve, AnAngleIsSearchedUpToTheEndOfItsRangeAndBehindIt) {
+  const auto turn = [](const std::string& expression, const std::string& limit) {
+    return AnalysedRun(R"(unlatch: 1
+name: turn
+step: {dt: 50 ms, until: 3}
+environment: {planet: {mu: 0, j2: 0}}
+bodies:
+  b: {mass: 1, inertia: [1, 1, 1], position: [-7000 km, 3050 km, 0], velocity: [0, -2000 km/s, 0]}
+quantities:
+  l: {longitude: b}
+  e: {expression: ")" + expression +
+                       R"("}
+requirements:
+  - {id: r, quantity: e, )" +
+                       limit + "}\n");
+  };
+  const hil::Verdict most = turn("l", "at_most: 4").judge("r");
+  EXPECT_LT(most.value, M_PI + 1e-9);
+  const hil::Verdict dip = turn("abs(abs(l) - 3.138)", "at_least: 0").judge("r");
+  EXPECT_NEAR(dip.value, 0, 1e-6);
+}
+
 TEST(LawCurve, NeitherKnotsNorDipsBesideItsIntervalCount) {
   const AnalysedRun run = fly("abs(x) / (1 m)", "from: early, to: late, at_least: 0");
   EXPECT_NEAR(run.judge("r").value, kSpeed * (kCrossing - 0.4), kExact);

@@ -133,6 +133,34 @@ TEST(UnseenCrossings, AConditionThatReadsWhatNoTickHasIsReportedAsNotSearched) {
       list_searches(AnalysedRun(build_swing("10 ms", "{any: [{command: go, above: 0.5}, {time: 1}]}"))).empty());
 }
 
+// A flap turns as 5 rad − 5 rad cos(20/s t). The analysis begins at 0.1 s, as after a checkpoint, behind a whole turn.
+TEST(UnseenCrossings, TurnsOfAnAngleAreCountedFromTheBeginningOfItsJoint) {
+  const hil::Scenario scenario = hil::load_scenario_text(R"(unlatch: 1
+name: turns
+step: {dt: 10 ms, until: 0.3}
+bodies:
+  flap: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  hinge: {between: [ground, flap], modes: {turns: {kind: revolute, axis: z}}}
+elements:
+  spring: {type: joint_spring, joint: hinge, axis: rot_z, stiffness: 400, rest: 5 rad}
+signals: [far]
+events:
+  - {name: hit, when: {angle: {joint: hinge, axis: z}, above: 9.9975 rad}, then: [{raise: far}]}
+)",
+                                                         "turns.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  while (simulation->get_tick() < 10) ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+  hil::RunAnalysis analysis(scenario, *simulation);
+  analysis.update(StepReport{});
+  while (simulation->get_tick() < 30) analysis.update(simulation->step());
+  std::vector<std::string> found;
+  for (const hil::RunNotice& notice : analysis.accuracy().get())
+    if (notice.name == "search") found.push_back(notice.text);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("at 0.156"), std::string::npos) << found[0];  // it is greatest at π/20 s
+}
+
 // The slider of build_swing(), and an element that is within reach for 3.2 ms about a place where the slider returns.
 std::string build_engagement(const std::string& dt, const std::string& element) {
   return "unlatch: 1\nname: engaged\nstep: {dt: " + dt + R"(, until: 0.35}
@@ -204,6 +232,77 @@ TEST(UnseenEngagements, AForceThatEngagesAtATickOrNeverOrIsOffIsNotTaken) {
     EXPECT_TRUE(list_searches(run).empty()) << element << list_searches(run)[0].text;
     EXPECT_TRUE(run.judge("end").unresolved.empty()) << run.judge("end").unresolved;
   }
+}
+
+// A flap on a spring: 1 rad − cos(20/s t) rad, as the slider of build_swing().
+std::string build_flap(const std::string& dt, const std::string& stop) {
+  return "unlatch: 1\nname: flap\nstep: {dt: " + dt + R"(, until: 0.35}
+bodies:
+  flap: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  hinge: {between: [ground, flap], modes: {turns: {kind: revolute, axis: z}}}
+elements:
+  spring: {type: joint_spring, joint: hinge, axis: rot_z, stiffness: 400, rest: 1 rad}
+stops:
+  reach: )" +
+         stop + R"(
+requirements:
+  - {id: end, angle: {joint: hinge, axis: z}, take: final, at_most: 3 rad}
+)";
+}
+
+TEST(UnseenEngagements, AnAngularStopThatIsHitWithinAStepIsUnresolvedAndTheProposedStepSeesIt) {
+  const double turn = std::acos(-1.0) / 10, edge = std::acos(0.9995) / 20;  // s, as above
+  const Engagement stops[] = {
+      {"{joint: hinge, axis: rot_z, at_most: 1.9995 rad, stiffness: 1 N m/rad}", "touch", 0, turn / 2 - edge},
+      {"{joint: hinge, axis: rot_z, at_least: 0.0005 rad, stiffness: 1e-6 N m/rad}", "touch", 1, turn - edge},
+  };
+  for (const Engagement& one : stops) {
+    const AnalysedRun run(build_flap("10 ms", one.element));
+    EXPECT_EQ(run.analysis.timeline.size(), one.before) << one.element;
+    const std::vector<hil::RunNotice> notices = list_searches(run);
+    ASSERT_EQ(notices.size(), 1u) << one.element;
+    EXPECT_TRUE(notices[0].unresolved);
+    EXPECT_FALSE(run.judge("end").unresolved.empty()) << one.element;
+    const AnalysedRun fine(build_flap(find_proposed_step(notices[0].text), one.element));
+    EXPECT_TRUE(list_searches(fine).empty()) << one.element;
+    ASSERT_EQ(fine.analysis.timeline.size(), one.before + 2) << notices[0].text;
+    EXPECT_EQ(fine.analysis.timeline[one.before].name, one.event);
+    EXPECT_NEAR(fine.analysis.timeline[one.before].time, one.due, 1e-5) << one.element;
+  }
+  EXPECT_TRUE(list_searches(AnalysedRun(build_flap(
+                                "10 ms", "{joint: hinge, axis: rot_z, at_most: 2.0001 rad, stiffness: 1 N m/rad}")))
+                  .empty());
+}
+
+// The slider's point is on the line that touches the drum where the cord leaves it, a quarter turn from its anchor.
+std::string build_drum_cord(double straight) {
+  return "{type: cord, between: [ground, slider], length: " + std::to_string(straight + 0.025 * std::acos(-1.0)) +
+         " m, wraps: {centre: [-0.1, -0.05, 0], axis: [0, 0, 1], radius: 0.05, sense: left, wound: 90 deg}, stiffness: "
+         "1 "
+         "N/m}";
+}
+
+// Notices about the element; what reads how far it is wound is not searched.
+std::vector<hil::RunNotice> list_reaches(const AnalysedRun& run) {
+  std::vector<hil::RunNotice> found = list_searches(run);
+  std::erase_if(found, [](const hil::RunNotice& notice) { return notice.subject != "reach"; });
+  return found;
+}
+
+TEST(UnseenEngagements, ACordOnADrumThatIsTautWithinAStepIsUnresolvedAndTheProposedStepSeesIt) {
+  const double due = std::acos(-1.0) / 20 - std::acos(0.9995) / 20;  // s, beyond 1.9995 m
+  const AnalysedRun run(build_engagement("10 ms", build_drum_cord(2.0995)));
+  const std::vector<hil::RunNotice> notices = list_reaches(run);
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_NE(notices[0].text.find("its event taut was due within a step"), std::string::npos) << notices[0].text;
+  EXPECT_FALSE(run.judge("end").unresolved.empty());
+  const AnalysedRun fine(build_engagement(find_proposed_step(notices[0].text), build_drum_cord(2.0995)));
+  EXPECT_TRUE(list_reaches(fine).empty());
+  ASSERT_FALSE(fine.analysis.timeline.empty());
+  EXPECT_EQ(fine.analysis.timeline[0].name, "taut");
+  EXPECT_NEAR(fine.analysis.timeline[0].time, due, 1e-5);
+  EXPECT_TRUE(list_reaches(AnalysedRun(build_engagement("10 ms", build_drum_cord(2.1001)))).empty());
 }
 
 // Two balls that pass each other at 2 m/s, nearer than 1 mm for 1 ms: their distance has a corner there.

@@ -1,0 +1,63 @@
+#include "hil/run/analysis/extreme_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/run/notices/format.h"
+#include "hil/run/notices/resolution.h"
+
+namespace unlatch::hil {
+namespace {
+
+using Take = Requirement::Take;
+
+constexpr double kCertain = 1e-6;  // of the value: less is the error of the search
+
+struct Range {
+  double low, high;
+};
+
+// What the value may be. `is_low`: it is the smallest one, or the negative of that.
+Range find_range(const Requirement& requirement, const FoundExtremes& found, bool is_low) {
+  const ExtremeBounds::Bound &low = found.bounds.get_low(), &high = found.bounds.get_high();
+  const Range least = {from_smooth(found.part, low.least), from_smooth(found.part, low.most)};
+  const Range most = {from_smooth(found.part, -high.most), from_smooth(found.part, -high.least)};
+  if (requirement.take == Take::kPeak) return {std::max(-least.high, most.low), std::max(-least.low, most.high)};
+  return is_low ? least : most;
+}
+
+// A step, as a part of the run's, with which an error comes to what is allowed. Differences that do not fall
+// (ExtremeBounds) may fall in proportion to the step at first, until the error is a part of the value; those that fall
+// do so with its fourth power at least.
+double calc_sufficient_part(double error, double size, double allowed) {
+  constexpr double kPart = 0.2, kPower = 4, kSure = 0.7;
+  const double first = std::min(1.0, kPart * size / error);
+  return kSure * first * std::pow(std::min(1.0, allowed / (error * first)), 1 / kPower);
+}
+
+}  // namespace
+
+void judge_extreme(const Requirement& requirement, const FoundExtremes& found, double dt, Verdict& verdict) {
+  if (!std::isfinite(found.bounds.get_low().most)) return;
+  const bool is_low = requirement.take == Take::kMinimum ||
+                      (requirement.take == Take::kPeak ? verdict.value == -found.low
+                                                       : requirement.take == Take::kBoth && verdict.value == found.low);
+  const Range range = find_range(requirement, found, is_low);
+  verdict.uncertainty = std::max({0.0, verdict.value - range.low, range.high - verdict.value});
+  const double size = std::max(std::abs(verdict.value), kLimitPart * std::abs(verdict.limit));
+  const double low = std::min(verdict.value, range.low), high = std::max(verdict.value, range.high);
+  const auto is_within = [&](double limit) { return low < limit && limit < high; };
+  const bool may_differ =
+      verdict.uncertainty > kCertain * size && (is_within(requirement.least) || is_within(requirement.most));
+  const double known = kKnown * size;
+  if (!may_differ && verdict.uncertainty <= known) return;
+  const double allowed = may_differ ? std::min(known, std::abs(verdict.margin)) : known;
+  const double time = is_low ? found.bounds.get_low().time : found.bounds.get_high().time;
+  const double step = kRoundedDown * dt * calc_sufficient_part(verdict.uncertainty, size, allowed);
+  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
+  verdict.unresolved =
+      format("its extreme between steps, at %.6g s: %.6g%s is known to %.2g%s only; a step of %.3g s would do", time,
+             verdict.value, unit.c_str(), verdict.uncertainty, unit.c_str(), step);
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,199 @@
+// Extremes of what is known at knots alone: bounds of them, and verdicts that the step does not resolve.
+#include "hil/run/analysis/extreme_bounds.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "hil/run/findings/findings.h"
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test::extreme_bounds_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Bounds of a function at knots, `spacing` apart from `first` on.
+hil::ExtremeBounds bound(const std::function<double(double)>& function, double first, double spacing, int knots) {
+  hil::ExtremeBounds bounds;
+  for (int i = 0; i < knots; ++i) {
+    const double time = first + i * spacing;
+    bounds.add(time, function(time), i == 0);
+  }
+  bounds.finish();
+  return bounds;
+}
+
+// The step that a verdict proposes.
+std::string find_proposed_step(const std::string& text) {
+  const std::string before = "a step of ";
+  const std::size_t from = text.find(before) + before.size();
+  return text.substr(from, text.find(" s ", from) - from) + " s";
+}
+
+constexpr int kPhases = 40;
+
+TEST(ExtremeBounds, OfSinesAreAboutTheirExtremesAndNarrowWhereTheStepResolvesThem) {
+  for (const double angle : {0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 2.6})
+    for (int phase = 0; phase < kPhases; ++phase) {
+      const auto sine = [](double t) { return std::sin(t) + 0.3; };
+      const hil::ExtremeBounds bounds = bound(sine, phase * 0.1571, angle, static_cast<int>(4 + 15 / angle));
+      const double room = 2e-6 * std::pow(angle, 4);  // parts of intervals at which it is looked
+      EXPECT_LE(bounds.get_low().least, -0.7 + room) << angle << " " << phase;
+      EXPECT_GE(bounds.get_low().most, -0.7 - room) << angle << " " << phase;
+      EXPECT_LE(bounds.get_high().least, -1.3 + room) << angle << " " << phase;
+      EXPECT_GE(bounds.get_high().most, -1.3 - room) << angle << " " << phase;
+      if (angle <= 0.4) {
+        EXPECT_LT(bounds.get_low().most - bounds.get_low().least, 0.1 * std::pow(angle, 5)) << angle << " " << phase;
+      }
+    }
+}
+
+TEST(ExtremeBounds, OfDipsShorterThanAStepAreAboutTheirDepth) {
+  const std::function<double(double)> dips[] = {
+      [](double t) { return std::sqrt(t * t + 0.04); },             // all but a corner
+      [](double t) { return std::sqrt(t * t + 1); },                // as long as a step
+      [](double t) { return 2 - std::exp(-t * t / (1.5 * 1.5)); },  // a pulse, three steps long
+      [](double t) { return std::abs(t); },
+  };
+  for (const auto& dip : dips)
+    for (int phase = 0; phase < kPhases; ++phase) {
+      const hil::ExtremeBounds bounds = bound(dip, -10 - phase / static_cast<double>(kPhases), 1, 21);
+      const double room = dip(0) == 0 ? 0.0625 : 1e-9;  // of a corner: half a part of a step
+      EXPECT_LE(bounds.get_low().least, dip(0) + room) << phase;
+      EXPECT_GE(bounds.get_low().most, dip(0) - 1e-9) << phase;
+    }
+}
+
+TEST(ExtremeBounds, OfPolynomialsAndOfWhatRestsAreOneValue) {
+  const auto cubic = [](double t) { return (t - 1.3) * (t - 1.3) * (0.2 * t + 1) - 5; };
+  const hil::ExtremeBounds bounds = bound(cubic, 0, 0.25, 16);
+  EXPECT_NEAR(bounds.get_low().least, -5, 1e-8);  // the vertex of a parabola through parts of an interval
+  EXPECT_EQ(bounds.get_low().most, bounds.get_low().least);
+  const hil::ExtremeBounds rest = bound([](double) { return 0.1; }, 0, 0.25, 16);
+  EXPECT_EQ(rest.get_low().least, 0.1);
+  EXPECT_EQ(rest.get_low().most, 0.1);
+  EXPECT_EQ(rest.get_high().least, -0.1);
+}
+
+// Where a smooth run of knots begins or ends, the extreme may be in its first or last interval.
+TEST(ExtremeBounds, OfTheFirstAndLastIntervalOfARunAreFoundFromOneSide) {
+  for (const double top : {0.13, 0.21, 2.87, 2.79}) {
+    const auto pulse = [top](double t) { return std::exp(-(t - top) * (t - top) / 0.18); };
+    const hil::ExtremeBounds bounds = bound(pulse, 0, 0.25, 13);
+    EXPECT_LE(bounds.get_high().least, -1 + 1e-6) << top;
+    EXPECT_GE(bounds.get_high().most, -1 - 1e-6) << top;
+  }
+}
+
+// Two balls that pass at 100 m/s, half a metre apart: 0.3 m between them, while a step is 1 m long.
+std::string pass(const std::string& dt, const std::string& limit) {
+  return "unlatch: 1\nname: pass\nstep: {dt: " + dt + R"(, until: 1 s}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [-40.6, 0.5, 0], velocity: [100, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+elements:
+  s: {type: spring, between: [a, b], stiffness: 0}
+requirements:
+  - {id: direct, clearance: [a, b], at_least: 0.29}
+  - {id: quantity, quantity: {clearance: {between: [a, b]}}, at_least: )" +
+         limit + R"(}
+  - {id: length, length: s, at_least: 0.53}
+)";
+}
+
+TEST(Verdicts, OnADistanceThatTheStepDoesNotResolveAreUnresolvedAndTheProposedStepSuffices) {
+  for (const std::string limit : {"0.33", "0.01", "0.299"}) {
+    const AnalysedRun run(pass("10 ms", limit));
+    EXPECT_TRUE(run.judge("direct").is_met());
+    const hil::Verdict coarse = run.judge("quantity");
+    EXPECT_FALSE(coarse.is_resolved());
+    EXPECT_FALSE(coarse.is_met());
+    EXPECT_GT(coarse.uncertainty, std::abs(coarse.value - 0.3));
+    EXPECT_THAT(coarse.unresolved, HasSubstr("its extreme between steps, at 0.40"));
+    const hil::Verdict fine = AnalysedRun(pass(find_proposed_step(coarse.unresolved), limit)).judge("quantity");
+    EXPECT_TRUE(fine.is_resolved()) << fine.unresolved;
+    EXPECT_NEAR(fine.value, 0.3, 0.003);
+    EXPECT_EQ(fine.is_met(), limit != "0.33");
+  }
+  EXPECT_FALSE(AnalysedRun(pass("10 ms", "0.33")).judge("length").is_resolved());
+}
+
+// A block that a sine pushes, and one that it pushes in vain.
+std::string shake(const std::string& dt, double frequency) {
+  return "unlatch: 1\nname: shake\nstep: {dt: " + dt + R"(, until: 1 s}
+bodies:
+  b: {mass: 10, inertia: [1, 1, 1]}
+  c: {mass: 10, inertia: [1, 1, 1], position: [9, 0, 0]}
+joints:
+  j: {between: [ground, b], modes: {h: {kind: weld}}}
+elements:
+  f: {type: force, body: b, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 1000, frequency: )" +
+         std::to_string(frequency) + R"(, phase: 0.3}]}}
+  g: {type: force, body: c, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 1000, frequency: )" +
+         std::to_string(frequency) + R"(, phase: 0.3}]}}
+requirements:
+  - {id: row, reaction: {joint: j, row: x}, at_most: 1200}
+  - {id: size, acceleration: {body: c}, take: peak, at_most: 120}
+  - {id: speed, velocity: {body: c, component: x}, at_most: 1000}
+)";
+}
+
+TEST(Verdicts, OnForcesByASineAreRightToAPercentOrUnresolved) {
+  for (const double angle : {0.1, 0.3, 0.5, 0.7, 1.0, 1.3, 1.5, 2.0, 2.5, 3.0, 3.3, 5.0, 6.2831, 6.4, 12.6, 25.19557}) {
+    const AnalysedRun run(shake("10 ms", 100 * angle));
+    for (const std::string id : {"row", "size"}) {
+      const hil::Verdict verdict = run.judge(id);
+      const double truth = id == "row" ? 1000 : 100;
+      EXPECT_TRUE(!verdict.is_resolved() || std::abs(verdict.value / truth - 1) < 0.01)
+          << angle << " " << verdict.value;
+      EXPECT_TRUE(verdict.is_resolved() || angle > 0.25) << angle << verdict.unresolved;
+    }
+  }
+}
+
+// A whole number of periods in four fifths of a step or more may look constant to it.
+TEST(Verdicts, OnWhatASineFasterThanTheStepPushesAreUnresolvedAndTheProposedStepSuffices) {
+  for (const double angle : {1.05, 3.2, 6.2831853, 12.5663706, 25.19557, 40.0}) {
+    const AnalysedRun run(shake("10 ms", 100 * angle));
+    const hil::Verdict speed = run.judge("speed");
+    EXPECT_FALSE(speed.is_resolved()) << angle << " " << speed.value;
+    std::string text;
+    for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+      if (notice.name == "profile") text = notice.text;
+    EXPECT_THAT(text, HasSubstr("a step of ")) << angle;
+    bool found = false;
+    for (const hil::Finding& finding : hil::list_findings(run.scenario, *run.simulation))
+      found = found || finding.text.find("its sine of") != std::string::npos;
+    EXPECT_TRUE(found) << angle;
+    const AnalysedRun fine(shake(find_proposed_step(text), 100 * angle));
+    EXPECT_TRUE(fine.judge("speed").is_resolved()) << angle << fine.judge("speed").unresolved;
+    // 100 m/s² over the frequency, about what it begins with
+    EXPECT_NEAR(fine.judge("speed").value, (1 + std::cos(0.3)) / angle, 2e-3 / angle) << angle;
+  }
+}
+
+// It turns about z by 10 rad/s: half a turn at 0.314 s, a whole one at 0.628 s, both within steps.
+TEST(Verdicts, OnTheAngleOfAnAttitudeSeeHalfATurnAndNone) {
+  const AnalysedRun run(R"(unlatch: 1
+name: turn
+step: {dt: 10 ms, until: 1 s}
+bodies:
+  s: {mass: 10, inertia: [1, 1, 1], rate: [0, 0, 10]}
+events:
+  - {name: late, when: {time: 0.1}}
+requirements:
+  - {id: most, attitude: {body: s}, at_most: 179.9 deg}
+  - {id: least, attitude: {body: s}, from: late, at_least: 0.2 deg}
+)");
+  EXPECT_NEAR(run.judge("most").value, M_PI, 1e-3);
+  EXPECT_TRUE(run.judge("most").is_resolved()) << run.judge("most").unresolved;
+  EXPECT_FALSE(run.judge("most").is_met());
+  EXPECT_NEAR(run.judge("least").value, 0, 1e-3);
+  EXPECT_FALSE(run.judge("least").is_met());
+}
+
+}  // namespace
+}  // namespace unlatch::test::extreme_bounds_test
