@@ -128,15 +128,31 @@ void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& before, c
   }
 }
 
+namespace {
+
+// Error of the steps, in parts of the motion, from which on it may be more than the verdict's margin.
+double calc_doubtful_part(const Verdict& verdict) {
+  constexpr double kLeast = 1e-5;  // of the motion: less is no reason for doubt, however small the margin
+  const double size = std::max(std::abs(verdict.value), std::abs(verdict.limit));
+  return size > 0 ? std::max(kLeast, std::abs(verdict.margin) / (StepAudit::kPhase * size)) : HUGE_VAL;
+}
+
+}  // namespace
+
 std::vector<Verdict> RunAnalysis::judge() const {
   std::vector<Verdict> verdicts = requirements_.judge(window_);
   const UnresolvedBodies unresolved = accuracy_.get_unresolved();
+  const StepError worst = accuracy_.get_steps().find_worst();
+  const double largest = worst.error / worst.change;
   for (Verdict& verdict : verdicts) {
     const Requirement& requirement = scenario_.requirements[verdict.requirement];
     // A value of an instant depends on what came before it; a search over an interval, on all of it.
     const bool is_instant = verdict.evaluated && (requirement.at.is_named() || requirement.is_of_events());
     const double until = is_instant ? verdict.time : requirements_.get_end(verdict.requirement);
     std::string cause = unresolved.find_cause(requirement, until, verdict.evaluated ? verdict.time : HUGE_VAL);
+    if (cause.empty() && verdict.evaluated && verdict.is_resolved() && !requirement.is_of_events())
+      if (const double part = calc_doubtful_part(verdict); part < StepAudit::kLimit && largest > part)
+        cause = accuracy_.get_doubtful(part).find_cause(requirement, until, verdict.time);
     if (!cause.empty()) verdict.unresolved = std::move(cause);
   }
   return verdicts;

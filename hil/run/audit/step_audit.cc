@@ -276,6 +276,14 @@ std::vector<StepError> StepAudit::list_unresolved() const {
   return list;
 }
 
+std::vector<StepError> StepAudit::list_errors(double part) const {
+  std::vector<StepError> list;
+  for (std::size_t b = 0; b < courses_.size(); ++b)
+    if (const StepError worst = find_worst(static_cast<int>(b)); worst.error > part * worst.change)
+      list.push_back(worst);
+  return list;
+}
+
 std::vector<StepError> StepAudit::list_passed() const {
   std::vector<StepError> list;
   for (const Course& course : courses_)

@@ -51,6 +51,7 @@ class StepAudit {
   // phase: its velocity changes by twice its amplitude, only a part of the error lies along it, and of two neighbours
   // the lesser counts. So results are off by some tenth at this limit.
   static constexpr double kLimit = 0.02;
+  static constexpr double kPhase = 8;  // times the estimate: what results are off by at most
   static constexpr double kCalm = kLimit / 64;
   static constexpr std::int64_t kCalmEvery = 4;  // blocks
 
@@ -73,6 +74,8 @@ class StepAudit {
   // Bodies that were not resolved for a while, and have moved so much more since that they are: values of that while
   // are not.
   [[nodiscard]] std::vector<StepError> list_passed() const;
+  // Of each body whose error is more than this part of what its motion has changed, the part that is worst.
+  [[nodiscard]] std::vector<StepError> list_errors(double part) const;
   // Steps that were taken again, of all so far.
   [[nodiscard]] std::int64_t get_compared() const { return compared_; }
   [[nodiscard]] std::int64_t get_ticks() const { return ticks_; }

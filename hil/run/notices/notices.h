@@ -90,6 +90,9 @@ class NoticeWatch {
   // Sentence that names what is unresolved, or empty.
   [[nodiscard]] std::string describe_unresolved() const;
   [[nodiscard]] UnresolvedBodies get_unresolved() const;
+  // Bodies whose steps make an error of more than this part of what their motion has changed: results that are as near
+  // to their limits as that depend on it.
+  [[nodiscard]] UnresolvedBodies get_doubtful(double part) const;
   [[nodiscard]] const StepAudit& get_steps() const { return *steps_; }
 
  private:

@@ -134,4 +134,18 @@ UnresolvedBodies NoticeWatch::get_unresolved() const {
   return unresolved;
 }
 
+UnresolvedBodies NoticeWatch::get_doubtful(double part) const {
+  UnresolvedBodies doubtful(scenario_.model);
+  for (const StepError& error : steps_->list_errors(part)) {
+    const int bodies[] = {error.body};
+    doubtful.add(
+        bodies,
+        format("step %s: its error, some %.2g %% of the motion, may be more than the margin; a smaller step decides",
+               scenario_.model.bodies[at(error.body)].name.c_str(), 100 * error.error / error.change),
+        0);
+  }
+  doubtful.spread(links_);
+  return doubtful;
+}
+
 }  // namespace unlatch::hil

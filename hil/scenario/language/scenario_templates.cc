@@ -286,7 +286,11 @@ YamlNode take_section(YamlNode& root, const char* name) {
 void expand_templates(YamlNode& root, Mistakes& mistakes) {
   if (!root.is_mapping()) return;
   const YamlNode templates = take_section(root, "templates"), instances = take_section(root, "instances");
-  if (templates.kind != YamlNode::Kind::kNull) YamlMap(templates, "templates", mistakes);  // a mapping, or a mistake
+  if (templates.kind != YamlNode::Kind::kNull) {
+    YamlMap map(templates, "templates", mistakes);  // a mapping, or a mistake
+    for (const YamlKey& key : templates.keys) map.find(key.text);
+    map.finish();  // names that are given twice, for one in an included file too
+  }
   Expander(root, mistakes).expand(templates, instances);
 }
 

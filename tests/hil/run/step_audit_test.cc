@@ -49,6 +49,28 @@ TEST(StepAudit, ALawThatTheStepDoesNotResolveIsSeenBesideAFastBody) {
   }
 }
 
+// h·ω = 0.555 of 100 steps: the place at the end is 46.9 mm, and cos(ω t) 0.1 m = 51.2 mm. Results that are farther
+// from their limits than that stand.
+TEST(StepAudit, AMarginThatIsLessThanTheErrorOfTheStepsDecidesNothing) {
+  const auto judge = [](const std::string& dt, const std::string& limit) {
+    return AnalysedRun("unlatch: 1\nname: swing\nstep: {dt: " + dt + R"(, until: 1 s}
+bodies: {ball: {mass: 1, inertia: [1, 1, 1], position: [0.1, 0, 0]}}
+quantities: {place: {position: {body: ball, component: x}}}
+elements: {spring: {type: force, body: ball, direction: [1, 0, 0], profile: {expression: "-3082 N/m * place"}}}
+requirements:
+  - {id: near, quantity: place, take: final, at_most: )" +
+                       limit + "}\n")
+        .judge("near");
+  };
+  const hil::Verdict wrong = judge("10 ms", "50 mm");
+  EXPECT_NE(wrong.unresolved.find("may be more than the margin"), std::string::npos) << wrong.value;
+  EXPECT_TRUE(judge("10 ms", "100 mm").is_met());
+  const hil::Verdict right = judge("1 ms", "50 mm");
+  EXPECT_TRUE(right.is_resolved()) << right.unresolved;
+  EXPECT_FALSE(right.is_met());
+  EXPECT_NEAR(right.value, 0.1 * std::cos(std::sqrt(3082.0)), 1e-6);
+}
+
 TEST(StepAudit, LawsThatJumpAreResolved) {
   for (const char* const law :
        {"if_less(time, 0.5 s, 0 N, if_less(time, 0.5001 s, 100 N, 0 N))", "if_less(time, 0.5 s, 0 N, 10 N)",

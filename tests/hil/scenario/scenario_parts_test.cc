@@ -93,6 +93,12 @@ TEST_F(Includes, EntriesOfOneNameInTwoFilesAreAMistake) {
                     HasSubstr("first given in " + (folder_ / "parts/channels.yaml").string() + " on line 3")));
 }
 
+TEST_F(Includes, ATemplateOfOneNameInTwoFilesIsAMistake) {
+  write("parts/channels.yaml", "unlatch_part: 1\ntemplates: {leg: {parameters: {i}}}\n");
+  write("s.yaml", split_scenario("include: parts/channels.yaml\ntemplates: {leg: {parameters: {i, k}}}\n"));
+  EXPECT_THAT(errors("s.yaml"), HasSubstr("duplicate key 'leg'"));
+}
+
 TEST_F(Includes, StayInTheFolder) {
   const std::string outside = (folder_ / "../unlatch_outside.yaml").lexically_normal().string();
   std::ofstream(outside) << kChannels;
