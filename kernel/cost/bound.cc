@@ -352,9 +352,12 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
       std::any_of(plan.varying.begin(), plan.varying.end(), [](const PlanVarying& mass) { return mass.by_burnt; });
   const std::int64_t corners = !plan.place_corners && !burns ? 0 : kMostCornerSplits;
   const std::int64_t features = pairs > 0 ? kMostFeatureSplits : 0;
+  // A force of a rigid contact that jumps is located first; then the sub-step before it is tried, and the instant
+  // again.
+  const std::int64_t feature_tries = plan.rigid_pairs > 0 ? kMostTries + 2 : kMostFeatureTries;
   limits.sub_steps = limits.parts + limits.splits + (plan.time_corners ? kMostCornerSplits : corners) + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
-                    features * kMostFeatureTries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
+                    features * feature_tries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;
   // At one instant an event acts or begins to wait once, and a pair changes twice; of rigid contacts as often as
   // act_in_rounds() allows.
