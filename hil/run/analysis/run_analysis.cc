@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/run/audit/step_audit.h"
 #include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
