@@ -1,8 +1,8 @@
 // Whether a requirement's value, an extreme of what is known at knots alone, is known well enough for a verdict.
 #pragma once
 
-#include "hil/run/analysis/extreme_bounds.h"
 #include "hil/run/analysis/requirements.h"
+#include "hil/run/extremes/extreme_bounds.h"
 
 namespace unlatch::hil {
 

@@ -5,7 +5,7 @@
 
 #include "hil/run/analysis/assemblies.h"
 #include "hil/run/analysis/extreme_verdict.h"
-#include "hil/run/analysis/straight_quantity.h"
+#include "hil/run/extremes/straight_quantity.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/quantities.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/run/analysis/extreme_bounds.h"
-#include "hil/run/analysis/law_curve.h"
+#include "hil/run/extremes/extreme_bounds.h"
+#include "hil/run/extremes/law_curve.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"

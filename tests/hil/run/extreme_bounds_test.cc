@@ -1,5 +1,5 @@
 // Extremes of what is known at knots alone: bounds of them, and verdicts that the step does not resolve.
-#include "hil/run/analysis/extreme_bounds.h"
+#include "hil/run/extremes/extreme_bounds.h"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
-#include "hil/run/analysis/law_curve.h"
+#include "hil/run/extremes/law_curve.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "hil/run/analysis/straight_quantity.h"
+#include "hil/run/extremes/straight_quantity.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"

@@ -1,4 +1,4 @@
-#include "hil/run/analysis/extreme_bounds.h"
+#include "hil/run/extremes/extreme_bounds.h"
 
 #include <algorithm>
 #include <cmath>
