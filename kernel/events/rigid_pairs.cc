@@ -76,9 +76,11 @@ void forget_friction(Run& run, std::size_t pair) {
   run.ev().pair_frictions[pair] = {0, 0, 0};
 }
 
+// Opens a pair, which touches again `nearer` than it is, also by the distance that open pairs have.
 void open(Run& run, double now, std::size_t pair, double nearer) {
   run.search().rigid_lifts[pair] = now;
-  run.state().contacts[pair] = {kPairOpen, std::min(0.0, run.ev().pair_distances[pair]) - nearer};
+  const double gap = std::min(0.0, run.ev().pair_distances[pair]), seen = calc_open_distance(run.plan, pair, run.ev());
+  run.state().contacts[pair] = {kPairOpen, (seen < gap - kBounced ? seen : gap) - nearer};
   run.ev().pair_forces[pair] = 0;
   forget_friction(run, pair);
 }

@@ -119,6 +119,30 @@ requirements:
   }
 }
 
+// At the ridge of a hull the distance of an open pair and the gap of a closed one differ by some 1e-8 m: the pair opens
+// once, and not again and again at one instant.
+TEST(RigidContacts, ARoughSphereLeavesTheRidgeOfAHull) {
+  const hil::Scenario scenario = hil::load_scenario_text(R"(unlatch: 1
+name: ridge
+step: {dt: 1 ms, until: 0.3}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [{hull: {points: [[-1, -1, 0], [1, -1, 0], [2, -1, -1], [-2, -1, -1], [-1, 1, 0], [1, 1, 0], [2, 1, -1], [-2, 1, -1], [-2, -1, -3], [2, -1, -3], [-2, 1, -3], [2, 1, -3]]}}]}
+bodies:
+  ball: {mass: 2, inertia: [0.008, 0.008, 0.008], position: [0.85, 0, 0.1], velocity: [2, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+contacts:
+  skin: {between: [ground, ball], rigid: true, friction: 0.15, settle: 0.1 ms}
+)",
+                                                         "s.yaml");
+  const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
+  while (simulation->get_tick() < 100) {
+    const StepReport report = simulation->step();
+    ASSERT_EQ(report.status, StepStatus::kOk) << simulation->get_tick();
+  }
+  // It slides up to the edge, 0.15 m, and flies on.
+  const double brake = 0.15 * 9.81, speed = std::sqrt(2 * 2 - 2 * brake * 0.15);
+  EXPECT_NEAR(simulation->state().bodies[0].v.x, speed, 1e-6);
+}
+
 // A block on two feet, b to both sides of its centre, rocks with less and less (G. W. Housner, Bull. Seism. Soc. Am.
 // 53, 1963; here without friction, so that its centre moves up and down): each blow leaves the part (J - m b²)/(J + m
 // b²) of its rate, and it rests after a sum of infinitely many flights.

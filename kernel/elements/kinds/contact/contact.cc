@@ -346,6 +346,14 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
   }
 }
 
+double calc_open_distance(const PlanData& plan, std::size_t pair, const Evaluation& ev) noexcept {
+  const ContactPair& own = plan.contact_pairs[pair];
+  const PlanContact& contact = plan.contacts[at(own.contact)];
+  return calc_pair_distance(plan, own, get_body_frame(ev, plan.shapes[at(contact.base)].body),
+                            get_body_frame(ev, plan.shapes[at(contact.follower)].body))
+      .distance;
+}
+
 PairFeature calc_pair_feature(const PlanData& plan, std::size_t pair, bool off, const Evaluation& ev) noexcept {
   const ContactPair& own = plan.contact_pairs[pair];
   const PlanContact& contact = plan.contacts[at(own.contact)];

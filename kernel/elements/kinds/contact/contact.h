@@ -66,6 +66,9 @@ double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, 
 // those that cannot touch within a step and 0.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
+// The distance of a pair as update_open_pairs() finds it, m; where hulls touch at edges, it differs from a rigid row's
+// gap by what the search for it leaves.
+double calc_open_distance(const PlanData& plan, std::size_t pair, const Evaluation& ev) noexcept;
 // Margins of a pair that is closed, by ev.closed_pairs; not a number if its contact is off or rigid.
 PairFeature calc_pair_feature(const PlanData& plan, std::size_t pair, bool off, const Evaluation& ev) noexcept;
 
