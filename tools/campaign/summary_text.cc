@@ -108,12 +108,13 @@ void print_step(std::FILE* to, const Json& step) {
 // What disperses the values of the requirements, by the measure that the sampling allows.
 struct Influence {
   std::string input;
+  bool estimated = false;  // samples that it is of have the value
   double value = 0;
   std::string text;  // with its interval
 };
 
 Influence build_influence(const Json& name, const Json& value, const Json& interval) {
-  Influence influence{name, value.is_number() ? value.get<double>() : 0, ""};
+  Influence influence{name, value.is_number(), value.is_number() ? value.get<double>() : 0, ""};
   influence.text = influence.input + " " + format("%.2g", influence.value);
   if (interval.is_array() && interval[0].is_number() && interval[1].is_number())
     influence.text += format(" (%.2g … %.2g)", interval[0].get<double>(), interval[1].get<double>());
@@ -228,10 +229,15 @@ void print_influences(std::FILE* to, const Json& summary) {
       if (++printed <= kMost) text += (text.empty() ? "" : ", ") + one.text;
     }
     if (printed > kMost) text += ", and " + count(printed - kMost, "other input");
-    if (text.empty())
-      text = alone                                 ? "of no input distinct from chance"
-             : sensitivity.contains("first_order") ? "not estimated: fewer than 40 values"
-                                                   : "of no input";
+    std::string open;
+    for (const Influence& one : list)
+      if (!one.estimated) open += (open.empty() ? "" : ", ") + one.input;
+    if (text.empty() && !alone && sensitivity.contains("first_order"))
+      text = "not estimated: fewer than 40 values";
+    else if (!open.empty())
+      text += (text.empty() ? "" : "; ") + ("not estimated, since samples have no value: " + open);
+    else if (text.empty())
+      text = alone ? "of no input distinct from chance" : "of no input";
     if (alone) text += format("; chance reaches %.2g", least);
     if (alone && printed > 1 && summary.at("correlated").get<bool>())
       text += "; inputs may be correlated: their parts overlap and do not add up";

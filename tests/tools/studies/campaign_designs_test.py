@@ -102,6 +102,14 @@ class CampaignDesignsTest(ProcessTest):
             self.assertAlmostEqual(swing["greatest"], middle + width * 5 / 12, delta=1e-12)
         self.assertEqual(sensitivity["spearman"], [None, None])  # most samples are at the medians
 
+    def test_influences_of_a_part_of_a_design_are_not_estimated_and_are_said_to_be(self):
+        for sampling, rest in (("one-at-a-time", "levels: 6"), ("grid", "levels: 4")):
+            with self.subTest(sampling):
+                path = self.write(f"sampling: {sampling}\n{rest}\n{UNIFORM}")
+                done = self.run_ok(UNLATCH, "campaign", path, "--out", self.folder / sampling, "--samples", "2:9", code=None)
+                self.assertIn("not estimated, since samples have no value: v, w", done.stdout)
+                self.assertNotIn("of no input", done.stdout)
+
     def test_bounds_of_saltelli_are_those_of_its_independent_rows(self):
         from scipy.stats import beta
         summary, said, table = self.fly(f"sampling: saltelli\nsamples: 1600\n{UNIFORM}", "saltelli")
