@@ -16,7 +16,7 @@ constexpr double kMargin = 2 * kNearCorner;  // part of the step: what counts as
 // Adds marks of the knots that are passed on the way from `a` to `b`. `margin`: part of that way.
 class KnotMarker {
  public:
-  KnotMarker(double margin, CornerMarks& marks) : margin_(margin), marks_(marks) {}
+  KnotMarker(double margin, CornerEnds& marks) : margin_(margin), marks_(marks) {}
 
   void mark(double part) {
     if (part < -margin_ || part > 1 + margin_) return;
@@ -33,7 +33,7 @@ class KnotMarker {
 
  private:
   double margin_;
-  CornerMarks& marks_;
+  CornerEnds& marks_;
 };
 
 void mark_table(const PlanLaws& laws, const PlanLawStep& step, const LawCourse& course, KnotMarker& marker) {
@@ -85,8 +85,8 @@ bool jumps_at_end(const PlanLawStep& step, double margin, const LawCourse& cours
 
 }  // namespace
 
-CornerMarks mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept {
-  CornerMarks marks;
+CornerEnds mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept {
+  CornerEnds marks;
   if (!plan.time_corners) return marks;
   KnotMarker marker(calc_margin(plan, begin, end), marks);
   add_times(plan, state, begin, end, marker);
@@ -95,23 +95,27 @@ CornerMarks mark_times(const PlanData& plan, const State& state, double begin, d
 
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
                          const LawCourse& course) noexcept {
-  CornerMarks marks = mark_times(plan, state, begin, end);
+  CornerMarks marks{.motion = mark_times(plan, state, begin, end), .readings = {}};
   const double margin = calc_margin(plan, begin, end);
-  KnotMarker marker(margin, marks);
+  KnotMarker motion(margin, marks.motion), readings(margin, marks.readings);
   constexpr double kZero = 0;
-  for (const PlanLawStep& step : plan.laws.steps) {
-    if (step.place == kNone) continue;
-    if (step.kind == LawStep::Kind::kTable)
-      mark_table(plan.laws, step, course, marker);
-    else
-      marker.mark_way(course.at_begin[at(step.place)], course.at_end[at(step.place)], &kZero, 1);
-    marks.jumps = marks.jumps || jumps_at_end(step, margin, course);
+  for (std::size_t i = 0; i < plan.laws.order.size(); ++i) {
+    const PlanLaw& law = plan.laws.list[at(plan.laws.order[i])];
+    KnotMarker& marker = i < at(plan.law_numbers.driving) ? motion : readings;
+    for (const PlanLawStep& step : std::span(plan.laws.steps).subspan(at(law.first), at(law.count))) {
+      if (step.place == kNone) continue;
+      if (step.kind == LawStep::Kind::kTable)
+        mark_table(plan.laws, step, course, marker);
+      else
+        marker.mark_way(course.at_begin[at(step.place)], course.at_end[at(step.place)], &kZero, 1);
+      marks.jumps = marks.jumps || jumps_at_end(step, margin, course);
+    }
   }
   for (const PlanAirPlace& own : plan.laws.air_places)
-    marker.mark_way(course.at_begin[at(own.place)], course.at_end[at(own.place)], &plan.laws.numbers[at(own.knots)],
+    motion.mark_way(course.at_begin[at(own.place)], course.at_end[at(own.place)], &plan.laws.numbers[at(own.knots)],
                     own.count);
   for (std::size_t i = 0; i < course.low.size(); ++i)
-    marker.mark_way(course.low[i], course.high[i], plan.air_corners.data(), std::ssize(plan.air_corners));
+    motion.mark_way(course.low[i], course.high[i], plan.air_corners.data(), std::ssize(plan.air_corners));
   return marks;
 }
 

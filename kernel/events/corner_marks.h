@@ -19,10 +19,17 @@ struct LawCourse {
   std::span<const double> low, high;                  // Evaluation::altitudes at both ends
 };
 
-struct CornerMarks {
-  bool at_begin = false, at_end = false;  // both for a corner inside: the sub-step was not split there
-  bool jumps = false;                     // at the end a law decides otherwise than in the stages before it
+// Both for a corner inside: the sub-step was not split there.
+struct CornerEnds {
+  bool at_begin = false, at_end = false;
   [[nodiscard]] bool any() const { return at_begin || at_end; }
+};
+
+struct CornerMarks {
+  CornerEnds motion;    // of what forces read
+  CornerEnds readings;  // of laws that only conditions, sensors and outputs read
+  bool jumps = false;   // at the end a law decides otherwise than in the stages before it
+  [[nodiscard]] bool any() const { return motion.any() || readings.any(); }
 };
 
 // Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read, of the air and of tables
@@ -31,7 +38,7 @@ struct CornerMarks {
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
                          const LawCourse& course) noexcept;
 // Those of tables and masses over time and of switches alone.
-CornerMarks mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept;
+CornerEnds mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept;
 
 // Gives the laws that jump at the end of the sub-step the branches of its stages. `branches`: Evaluation::branches, of
 // its end.

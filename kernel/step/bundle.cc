@@ -300,7 +300,7 @@ class SideBySide {
     MotionKnot& knot = runs_[m].log->add();
     knot.time = time;
     knot.begins = begins;
-    knot.corner = false;
+    knot.corner = knot.reading_corner = false;
     *knot.state.header = {state_.header->tick, runs_[m].plan->get_hash()};
     copy_out(member, state_, knot.state);
     for (std::size_t b = 0; b < knot.accelerations.size(); ++b) knot.accelerations[b] = get_acceleration(member, b);

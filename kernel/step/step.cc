@@ -52,7 +52,7 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
-  knot.corner = false;
+  knot.corner = knot.reading_corner = false;
   copy(run.state(), knot.state);
   for (std::size_t b = 0; b < knot.accelerations.size(); ++b)
     knot.accelerations[b] = run.ev().get_acceleration(static_cast<int>(b));
@@ -72,8 +72,9 @@ LawCourse get_course(const Run& run) {
 bool log_end(Run& run, double begin, double now, Readings readings) {
   if (run.log == nullptr) return false;
   const CornerMarks marks = mark_corners(run.plan, run.state(), begin, now, get_course(run));
-  const bool ends_piece = marks.at_end || (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev()));
-  if (marks.at_begin) run.log->mark_corner();
+  const bool ends_piece = marks.motion.at_end || (!run.plan.varying.empty() && is_at_burnt_knot(run.plan, run.ev()));
+  if (marks.motion.at_begin) run.log->mark_corner();
+  if (marks.readings.at_begin) run.log->mark_reading_corner();
   if (marks.jumps) {
     hold_branches(run.plan, begin, now, get_course(run), run.ev().branches);
     Instant before = run.get_instant(now);
@@ -82,6 +83,7 @@ bool log_end(Run& run, double begin, double now, Readings readings) {
   }
   log_motion(run, now, false, marks.jumps ? Readings::kStale : readings);
   if (ends_piece) run.log->mark_corner();
+  if (marks.readings.at_end) run.log->mark_reading_corner();
   if (!marks.jumps) return ends_piece;
   (void)evaluate(run.get_instant(now), Changed::kCommands, run.ev());
   update_readings(run.get_instant(now), run.ev(), run.data.unread.data());

@@ -244,7 +244,7 @@ std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window
       guard.rests = true;
       continue;
     }
-    const bool begins = guard.rests || !window.is_smooth();
+    const bool begins = guard.rests || !window.has_smooth_readings();
     if (begins) add(guard, from, commands, true);
     add(guard, to, commands, false);
     guard.rests = false;

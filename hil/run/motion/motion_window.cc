@@ -82,8 +82,10 @@ void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   continuous_ = begun_ && before.to == from.time && same(before.end, from.state.bodies) &&
                 same(before.at_end, from.accelerations);
   smooth_ = continuous_ && !corner_ && !from.corner;
+  smooth_readings_ = !reading_corner_ && !from.reading_corner;
   begun_ = true;
   corner_ = to.corner;
+  reading_corner_ = to.reading_corner;
   present_ = 1 - present_;
   MotionPiece& piece = pieces_[present_];
   piece.from = from.time;

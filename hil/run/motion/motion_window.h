@@ -32,6 +32,8 @@ class MotionWindow {
 
   // True if the present piece continues the one before smoothly.
   [[nodiscard]] bool is_smooth() const { return smooth_; }
+  // True if readings do so as well: no law that only conditions, sensors and outputs read has a corner there.
+  [[nodiscard]] bool has_smooth_readings() const { return smooth_ && smooth_readings_; }
   // True if it begins with the motion and the accelerations with which the one before ended; a law may have a corner
   // there.
   [[nodiscard]] bool is_continuous() const { return continuous_; }
@@ -53,7 +55,8 @@ class MotionWindow {
   MotionPiece pieces_[2];
   int present_ = 0;
   bool smooth_ = false, continuous_ = false, begun_ = false;
-  bool corner_ = false;  // the present piece ends at a corner
+  bool smooth_readings_ = false;
+  bool corner_ = false, reading_corner_ = false;  // the present piece ends at a corner of the motion, of readings
 };
 
 // State of a body at rest, such as the ground.

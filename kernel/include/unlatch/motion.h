@@ -20,9 +20,11 @@ struct MotionKnot {
   double time = 0;      // s
   bool begins = false;  // a piece begins here: this is just after events, or the beginning of the step with its inputs
   // The pieces of motion that meet here are not one smooth curve, though the motion and its forces may be continuous: a
-  // law, a table over time or a switch has a corner here, or has one that no step was split at on either side.
+  // law that forces read, a table over time or a switch has a corner here, or has one that no step was split at on
+  // either side.
   bool corner = false;
-  State state;  // at `time`; its header has the tick at which the step began, but for the last knot
+  bool reading_corner = false;  // likewise of a law that only conditions, sensors and outputs read: motion is smooth
+  State state;                  // at `time`; its header has the tick at which the step began, but for the last knot
   std::span<Spatial> accelerations;  // of the bodies' origins, world axes, m/s², rad/s²; by body
   std::span<double> multipliers;     // six for each joint, N, N m
   std::span<double> sensors;         // as Workspace::sensors
@@ -46,9 +48,12 @@ class MotionLog {
   void clear() noexcept { count_ = 0; }
   MotionKnot& add() noexcept;  // the next knot; the last one again where there are no more
   void remove() noexcept { count_ -= count_ > 0; }
-  // Marks the latest knot as a corner.
+  // Marks the latest knot as a corner of the motion, of readings.
   void mark_corner() noexcept {
     if (count_ > 0) knots_[count_ - 1].corner = true;
+  }
+  void mark_reading_corner() noexcept {
+    if (count_ > 0) knots_[count_ - 1].reading_corner = true;
   }
 
  private:

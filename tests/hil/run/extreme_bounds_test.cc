@@ -195,5 +195,31 @@ requirements:
   EXPECT_FALSE(run.judge("least").is_met());
 }
 
+// The expression's corner is in the step in which the distance is least; the motion, and what else is read off it, goes
+// on smoothly there.
+TEST(ExtremeBounds, AnExpressionWithACornerChangesNoOtherRequirement) {
+  const auto judge = [](const std::string& rest) {
+    return AnalysedRun(R"(unlatch: 1
+name: pass
+step: {dt: 10 ms, until: 1 s}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [-10.062, 0.25, 0], velocity: [20, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+sensors: {d: {type: distance, between: [a, b]}}
+quantities: {x: {position: {body: b, component: x}}}
+requirements:
+  - {id: d, sensor: {name: d}, at_least: 0.052}
+)" + rest)
+        .judge("d");
+  };
+  const hil::Verdict alone = judge("");
+  EXPECT_FALSE(alone.is_resolved());
+  for (const char* const law : {"abs(x)", "max(abs(x), 1 mm)", "1 m^2/(0.1 m + abs(x))", "if_less(x, 0 m, 1 m, 2 m)"}) {
+    const hil::Verdict beside = judge("  - {id: e, expression: '" + std::string(law) + "', at_least: -1}\n");
+    EXPECT_EQ(beside.value, alone.value) << law;
+    EXPECT_EQ(beside.unresolved, alone.unresolved) << law;
+  }
+}
+
 }  // namespace
 }  // namespace unlatch::test::extreme_bounds_test
