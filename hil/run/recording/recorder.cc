@@ -24,6 +24,17 @@ std::int64_t calc_state_every(const std::string& path, double dt) {
   return std::max<std::int64_t>(1, std::llround(kStateInterval / dt));
 }
 
+// Touches all of a ring's memory, so that the cyclic thread meets no page for the first time, and a recording's peak of
+// memory does not depend on how far its thread once fell behind.
+template <class T>
+void touch(moodycamel::BlockingReaderWriterCircularBuffer<T>& ring) {
+  T item{};
+  while (ring.try_enqueue(item)) {
+  }
+  while (ring.try_dequeue(item)) {
+  }
+}
+
 }  // namespace
 
 Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t capacity)
@@ -32,6 +43,8 @@ Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t
       state_every_(calc_state_every(path, header.dt)),
       items_(capacity),
       writer_(path) {
+  touch(items_);
+  touch(states_);
   encode(header, buffer_);
   writer_.append(0, kHeaderChannel, buffer_);
   if (!writer_.flush()) throw LogWriteError(writer_.get_error());
