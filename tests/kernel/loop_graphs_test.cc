@@ -8,6 +8,7 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/integration/integrator.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/linkages.h"
 #include "tests/support/loop_models.h"
 #include "tests/support/malloc_guard.h"
@@ -174,8 +175,7 @@ TEST(LoopGraphs, LaddersFourBarsRingsAndLatticesSatisfyTheEquationsOfMotion) {
 int count_redundant(const Model& model, const Simulation& s) {
   constexpr double kVanishing = 1e-9;  // beside the largest
   const DenseKkt kkt = build_dense_kkt(model, read_state(s));
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(kkt.rows.cast<double>());
-  const Eigen::VectorXd& sizes = svd.singularValues();
+  const Eigen::VectorXd sizes = calc_singular_values(kkt.rows.cast<double>());
   return static_cast<int>(kkt.rows.rows() - (sizes.array() > kVanishing * sizes[0]).count());
 }
 

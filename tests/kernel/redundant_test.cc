@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernel/dispatch/kernels.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/linkages.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"
@@ -282,7 +283,7 @@ std::vector<double> calc_basic(const Model& model, Simulation& s) {
     return static_cast<std::size_t>(name.joint * kRows + name.row);
   };
   for (Eigen::Index k = 0; k < lambda.size(); ++k) lambda[k] = s.workspace.multipliers[place(k)];
-  const Eigen::VectorXd basic = across.colPivHouseholderQr().solve(across * lambda);
+  const Eigen::VectorXd basic = solve_least_squares(across, across * lambda);
   std::vector<double> all(model.joints.size() * kRows, 0);
   for (Eigen::Index k = 0; k < basic.size(); ++k) all[place(k)] = basic[k];
   return all;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/law_models.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/simulation.h"
 
 namespace unlatch::test {
@@ -70,7 +71,7 @@ double interpolate(const std::vector<double>& x, const std::vector<double>& y, d
   }
   A(0, 0) = h(1), A(0, 1) = -h(0) - h(1), A(0, 2) = h(0);
   A(n - 1, n - 3) = h(n - 2), A(n - 1, n - 2) = -h(n - 3) - h(n - 2), A(n - 1, n - 1) = h(n - 3);
-  const Eigen::VectorXd m = A.partialPivLu().solve(b);
+  const Eigen::VectorXd m = test::solve_full_pivots(A, b);
   Eigen::Index i = 0;
   while (i + 2 < n && x[static_cast<std::size_t>(i) + 1] <= at) ++i;
   const double left = at - x[static_cast<std::size_t>(i)], right = x[static_cast<std::size_t>(i) + 1] - at;

@@ -6,6 +6,7 @@
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "tests/support/linear_algebra.h"
 #include "tests/support/small_models.h"
 
 namespace unlatch::test {
@@ -32,9 +33,9 @@ MatrixXd calc_mass_matrix(const SpringChain& chain) {
 
 VectorXd step_ros2(const Rate& f, const MatrixXd& A, const VectorXd& y, double h) {
   const double gamma = 1 - std::sqrt(0.5);
-  const Eigen::PartialPivLU<MatrixXd> factor(MatrixXd::Identity(A.rows(), A.cols()) - gamma * h * A);
-  const VectorXd k1 = factor.solve(f(y));
-  const VectorXd k2 = factor.solve(f(y + h * k1) - 2 * k1);
+  const MatrixXd W = MatrixXd::Identity(A.rows(), A.cols()) - gamma * h * A;
+  const VectorXd k1 = solve_full_pivots(W, f(y));
+  const VectorXd k2 = solve_full_pivots(W, f(y + h * k1) - 2 * k1);
   return y + 1.5 * h * k1 + 0.5 * h * k2;
 }
 
@@ -46,11 +47,11 @@ VectorXd get_start(const SpringChain& chain) {
 
 MatrixXd build_jacobian(const SpringChain& chain) {
   const Index n = get_count(chain);
-  const Eigen::LLT<MatrixXd> mass(calc_mass_matrix(chain));
+  const MatrixXd mobility = calc_inverse(calc_mass_matrix(chain));
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
-  A.bottomLeftCorner(n, n) = -mass.solve(MatrixXd(to_vector(chain.stiffnesses).asDiagonal()));
-  A.bottomRightCorner(n, n) = -mass.solve(MatrixXd(to_vector(chain.dampings).asDiagonal()));
+  A.bottomLeftCorner(n, n) = -mobility * to_vector(chain.stiffnesses).asDiagonal();
+  A.bottomRightCorner(n, n) = -mobility * to_vector(chain.dampings).asDiagonal();
   return A;
 }
 

@@ -19,4 +19,10 @@ Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::
   return matrix.colPivHouseholderQr().solve(right);
 }
 
+Eigen::VectorXd calc_singular_values(const Eigen::MatrixXd& matrix) {
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues();
+}
+
+Eigen::MatrixXd calc_inverse(const Eigen::MatrixXd& matrix) { return matrix.inverse(); }
+
 }  // namespace unlatch::test

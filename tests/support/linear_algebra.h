@@ -19,4 +19,10 @@ SymmetricEigen calc_symmetric_eigen(const Eigen::MatrixXd& matrix);
 Eigen::VectorXd solve_full_pivots(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 
+// Singular values, descending.
+Eigen::VectorXd calc_singular_values(const Eigen::MatrixXd& matrix);
+
+// Inverse of a regular matrix, by Gauss with row pivots.
+Eigen::MatrixXd calc_inverse(const Eigen::MatrixXd& matrix);
+
 }  // namespace unlatch::test

@@ -3,11 +3,22 @@
 #include "tests/support/small_models.h"
 
 namespace unlatch::test {
+namespace {
+
+// The shortest rotation from the x axis to a direction. Eigen's own takes a compiler twenty seconds: it has a singular
+// value decomposition for opposite vectors.
+Eigen::Quaterniond turn_x_to(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d to = direction.normalized();
+  const Eigen::Quaterniond half(1 + to.x(), 0, -to.z(), to.y());  // w = 1 + x · to, vector part x × to
+  return half.norm() > 0 ? half.normalized() : Eigen::Quaterniond(0, 0, 0, 1);
+}
+
+}  // namespace
 
 Body build_rod(const std::string& name, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   Body rod = box(name, 1, 1e-3, 1.0 / 12, 1.0 / 12);
   rod.p_WB = 0.5 * (from + to);
-  rod.q_WB = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), to - from);
+  rod.q_WB = turn_x_to(to - from);
   return rod;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "kernel/joints/kinematics.h"
+#include "tests/support/linear_algebra.h"
 
 namespace unlatch::test {
 namespace {
@@ -41,8 +42,8 @@ struct Body {
   bool by_freedoms = false;
   std::vector<Freedom> freedoms;  // in the order of their elimination
   Matrix6d A;
-  Eigen::LDLT<Matrix6d> factor;  // of A, where it is eliminated before its rows
-  Eigen::MatrixXd row_inverse;   // Λ⁻¹ of its rows
+  Matrix6d inverse;             // of A, where it is eliminated before its rows
+  Eigen::MatrixXd row_inverse;  // Λ⁻¹ of its rows
 };
 
 class Tree {
@@ -67,7 +68,7 @@ class Tree {
           passed -= f.U * beta[k].back() / f.d;
         }
       } else if (body.W.cols() > 0) {
-        passed = body.W * (body.row_inverse * (body.W.transpose() * (body.factor.solve(loads[k]) - c)));
+        passed = body.W * (body.row_inverse * (body.W.transpose() * (body.inverse * loads[k] - c)));
       }
       if (body.parent != kNone) loads[at(body.parent)] += body.X.transpose() * passed;
     }
@@ -84,10 +85,10 @@ class Tree {
         }
         a += c;
       } else {
-        const Vector6 free = body.factor.solve(loads[k]);
+        const Vector6 free = body.inverse * loads[k];
         Vector6 push = Vector6::Zero();
         if (body.W.cols() > 0) push = body.W * (body.row_inverse * (body.W.transpose() * (a + c - free)));
-        a = free + body.factor.solve(push);
+        a = free + body.inverse * push;
       }
       out.accelerations[k] = a;
       if (body.joint != kNone) out.multipliers[at(body.joint)] = find_multipliers(body, body.A * a - loads[k]);
@@ -138,9 +139,9 @@ class Tree {
           passed -= f.U * f.U.transpose() / f.d;
         }
       } else {
-        body.factor.compute(body.A);
+        body.inverse = calc_inverse(body.A);
         if (body.W.cols() > 0) {
-          body.row_inverse = (body.W.transpose() * body.factor.solve(body.W)).inverse();
+          body.row_inverse = calc_inverse(body.W.transpose() * body.inverse * body.W);
           passed = body.W * body.row_inverse * body.W.transpose();
         }
       }
@@ -152,7 +153,7 @@ class Tree {
   static Vector6 find_multipliers(const Body& body, const Vector6& wrench) {
     Vector6 out = Vector6::Zero();
     if (body.row_names.empty()) return out;
-    const Eigen::VectorXd sizes = body.W.colPivHouseholderQr().solve(wrench);
+    const Eigen::VectorXd sizes = solve_least_squares(body.W, wrench);
     for (std::size_t i = 0; i < body.row_names.size(); ++i)
       out[body.row_names[i]] = body.side * sizes[static_cast<Eigen::Index>(i)];
     return out;
@@ -217,7 +218,7 @@ void add_loops(const Tree& tree, const std::vector<LoopRow>& rows, ScalarSolutio
     for (Eigen::Index s = 0; s < count; ++s)
       matrix(r, s) = rows[at(static_cast<int>(r))].apply(replies[at(static_cast<int>(s))]);
   }
-  const Eigen::VectorXd mu = matrix.ldlt().solve(missing);
+  const Eigen::VectorXd mu = solve_full_pivots(matrix, missing);
   for (Eigen::Index r = 0; r < count; ++r) {
     const LoopRow& row = rows[at(static_cast<int>(r))];
     add(solution, mu[r], replies[at(static_cast<int>(r))]);

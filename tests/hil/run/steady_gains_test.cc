@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "tests/support/linear_algebra.h"
 #include "tests/support/random.h"
 
 namespace unlatch::test::steady_gains_test {
@@ -38,7 +39,7 @@ struct Parts {
     A.bottomRightCorner(n - m, n - m) = T;
     B << B1, B2;
     C << C1, C2;
-    const MatrixXd S = 3 * MatrixXd::Identity(n, n) + draw(random, n, n), inverse = S.inverse();
+    const MatrixXd S = 3 * MatrixXd::Identity(n, n) + draw(random, n, n), inverse = test::calc_inverse(S);
     LinearModel model;
     model.A = S * A * inverse;
     model.B = S * B;
@@ -81,7 +82,7 @@ TEST(GainsAtZero, AreThoseOfTheOtherMotionsWhereNoFreeOneIsSeenOrExcited) {
     parts.B1.col(0).setZero();                                  // an input that excites none
     for (Index k = 0; k < at_zero; k += 2) parts.C1(1, k) = 0;  // an output that sees speeds alone …
     for (Index k = 1; k < at_zero; k += 2) parts.B1(k, 1) = 0;  // … which this input does not change
-    const MatrixXd wanted = parts.D - parts.C2 * parts.T.inverse() * parts.B2;
+    const MatrixXd wanted = parts.D - parts.C2 * test::calc_inverse(parts.T) * parts.B2;
     const hil::SteadyGains gains = calc(parts.join(random), parts);
     for (Index i = 0; i < kOutputs; ++i)
       for (Index k = 0; k < kInputs; ++k) {
