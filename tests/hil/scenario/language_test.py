@@ -3,8 +3,8 @@
 
 language_test.py PROBE SOURCE_DIR [TEST...]"""
 
-import copy
 import json
+import pickle
 import random
 import re
 import subprocess
@@ -23,6 +23,7 @@ from language import load_sections, load_yaml, parse_type  # noqa: E402
 SECTIONS = load_sections()
 SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
 EVERYTHING = load_yaml((SOURCE / "hil/scenario/language/everything.yaml").read_text())
+COPY = pickle.dumps(EVERYTHING)  # pickle.loads() makes a copy, ten times as fast as copy.deepcopy()
 PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/scenario/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.csv", "everything.obj"))
 
 # Keys that are processed before the loader's reader asks for any, so it does not list them.
@@ -105,7 +106,7 @@ def get(document, path):
 
 
 def changed(path, change):
-    document = copy.deepcopy(EVERYTHING)
+    document = pickle.loads(COPY)
     change(get(document, path))
     return document
 
@@ -268,7 +269,7 @@ class LanguageTest(unittest.TestCase):
         mapping = [p for p in self.list_paths(EVERYTHING) if p and not FREE & set(p) and p[0] != "include"]
         for i in range(240):
             path = rng.choice(mapping)
-            document = copy.deepcopy(EVERYTHING)
+            document = pickle.loads(COPY)
             for key in ("set", "include"):  # with these, a missing key may come from elsewhere
                 document.pop(key)
             parent, key, what = get(document, path[:-1]), path[-1], rng.randrange(6)
@@ -339,7 +340,7 @@ class LanguageTest(unittest.TestCase):
 
     def test_words_of_yaml_1_1_are_no_names_to_loader_and_schema(self):
         for word in ("yes", "No", "ON", "off", "null", "True"):
-            document = copy.deepcopy(EVERYTHING)
+            document = pickle.loads(COPY)
             document["name"] = word
             told = self.probe.ask(document).get("mistakes", [])
             self.assertTrue(any("is not a name" in m["what"] and "YAML 1.1" in m["mend"] for m in told), told)
