@@ -101,6 +101,24 @@ const char* get_name(StartGrowth::Of of) {
   return "";
 }
 
+bool ends_alike(const Scenario& other, std::int64_t last, const Simulation& simulation,
+                const std::atomic<bool>& interrupted) {
+  constexpr double kAlike = 1e-4;
+  const std::optional<StartCourse> course = fly(other, last, interrupted);
+  if (!course) return false;
+  const std::span<const BodyState> reached = simulation.state().bodies;
+  double way = 0;
+  for (std::size_t b = 0; b < reached.size(); ++b) {
+    const Eigen::Vector3d& start = other.model.bodies[b].p_WB;
+    way = std::max(way, norm(reached[b].p - Vec3{start.x(), start.y(), start.z()}));
+  }
+  for (std::size_t b = 0; b < reached.size(); ++b)
+    if (!(calc_difference(Of::kPlace, course->end[b], reached[b]) <= kAlike * way &&
+          calc_difference(Of::kAttitude, course->end[b], reached[b]) <= kAlike))
+      return false;
+  return true;
+}
+
 std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, std::int64_t last,
                                                        const std::atomic<bool>& interrupted) {
   const std::vector<Body>& bodies = scenario.model.bodies;

@@ -63,6 +63,7 @@ struct AccuracyReport {
   bool interrupted = false;         // SIGINT or SIGTERM ended the comparison: entries may be missing
   std::vector<StartGrowth> growth;  // of changes of the start, where it is notable
   bool growth_measured = false;
+  double growth_step = 0;      // s, step of the runs by which growth was measured
   bool out_of_budget = false;  // the search for the step ended before it had found one
 };
 

@@ -116,7 +116,7 @@ class Flight {
       skipped = "the step has no half and quarter in whole nanoseconds";
     } else {
       accuracy_ = measure_accuracy(subject.scenario, scenario, *simulation_, analysis_, options.tolerance);
-      measure_growth(scenario, *simulation_, *accuracy_);
+      measure_growth(subject.scenario, scenario, *simulation_, *accuracy_);
     }
   }
 

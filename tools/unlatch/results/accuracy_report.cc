@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,23 @@ void find_step(const ScenarioOptions& options, const hil::Scenario& scenario, do
   }
 }
 
+// The scenario at the longest of some multiples of its step at which the run ends alike; nothing if there is none.
+std::optional<hil::Scenario> find_coarse(const ScenarioOptions& options, const hil::Scenario& scenario,
+                                         const hil::Simulation& simulation) {
+  for (const int multiple : {16, 8, 4, 2}) {
+    const std::int64_t ticks = simulation.get_tick();
+    if (ticks % multiple != 0 || catch_interrupts()) continue;
+    ScenarioOptions other = set_step(options, scenario, multiple * scenario.dt);
+    other.until = simulation.get_time();
+    try {
+      hil::Scenario coarse = load(other);
+      if (hil::ends_alike(coarse, ticks / multiple, simulation, catch_interrupts())) return coarse;
+    } catch (const std::exception&) {  // a step at which the scenario has mistakes
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ScenarioOptions set_step(const ScenarioOptions& options, const hil::Scenario& scenario, double step) {
@@ -157,11 +175,17 @@ void print_accuracy_notices(std::FILE* to, const RunReport& report) {
   }
 }
 
-void measure_growth(const hil::Scenario& scenario, const hil::Simulation& simulation, hil::AccuracyReport& accuracy) {
+void measure_growth(const ScenarioOptions& options, const hil::Scenario& scenario, const hil::Simulation& simulation,
+                    hil::AccuracyReport& accuracy) {
   if (accuracy.interrupted) return;
-  if (auto growth = hil::measure_growth(scenario, simulation.get_tick(), catch_interrupts())) {
+  std::int64_t last = simulation.get_tick();
+  const std::optional<hil::Scenario> coarse = find_coarse(options, scenario, simulation);
+  if (coarse) last = std::llround(static_cast<double>(last) * scenario.dt / coarse->dt);
+  print_progress("growth of changes of the start", coarse ? coarse->dt : scenario.dt);
+  if (auto growth = hil::measure_growth(coarse ? *coarse : scenario, last, catch_interrupts())) {
     accuracy.growth = *std::move(growth);
     accuracy.growth_measured = true;
+    accuracy.growth_step = coarse ? coarse->dt : scenario.dt;
   }
   accuracy.interrupted = catch_interrupts();
 }
@@ -288,6 +312,7 @@ Json build_step_json(const hil::AccuracyReport& accuracy) {
                {"largest_step", accuracy.step ? Json(*accuracy.step) : Json(nullptr)},
                {"limited_by", accuracy.limit}};
   if (accuracy.growth_measured) {
+    json["growth_step"] = accuracy.growth_step;
     json["growth"] = Json::array();
     for (const hil::StartGrowth& growth : accuracy.growth)
       json["growth"].push_back(

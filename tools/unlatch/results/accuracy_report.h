@@ -32,10 +32,14 @@ inline constexpr const char* kUnresolved = "unresolved";
 // Such a run's status and its message. True if so.
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message);
 
+// Adds how much a small change of the start grows until the end of the run, unless the comparison was interrupted: at
+// the longest of sixteen, eight, four and two steps of the scenario at which the run ends alike, since growth need not
+// be known to better than a tenth.
+void measure_growth(const ScenarioOptions& options, const hil::Scenario& scenario, const hil::Simulation& simulation,
+                    hil::AccuracyReport& accuracy);
+
 // Runs the scenario at dt/2 and dt/4, and then at the largest step that meets `tolerance`, and compares. `simulation`
 // and `analysis`: of the run at dt, at its end.
-// Adds how much a small change of the start grows until the end of the run, unless the comparison was interrupted.
-void measure_growth(const hil::Scenario& scenario, const hil::Simulation& simulation, hil::AccuracyReport& accuracy);
 hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::Scenario& scenario,
                                      const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
                                      double tolerance);

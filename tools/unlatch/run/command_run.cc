@@ -223,7 +223,7 @@ int run(const RunOptions& given) {
   if (compares && end.status == hil::RunStatus::kDone) {
     report.accuracy = measure_accuracy(options.scenario, scenario, simulation, analysis,
                                        read_tolerance("--accuracy", options.accuracy));
-    measure_growth(scenario, simulation, *report.accuracy);
+    measure_growth(options.scenario, scenario, simulation, *report.accuracy);
   }
   bool unresolved = tell_unresolved(analysis, report.status, report.message);
   if (chooses && !unresolved && report.status == "ok" && !report.accuracy->step) {
