@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "kernel/cost/measured.h"
+#include "kernel/cost/step_counts.h"
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/events/limits.h"
 #include "kernel/integration/contact_stages.h"
@@ -34,26 +35,11 @@ class CallCosts {
 
 // Parts of a plan that decide what is called at all.
 struct Features {
-  bool rigid, loops, laws, contacts, angles, stage_angles, commanded_loads, commanded_events, compliant, jumps;
+  bool rigid, loops, laws, contacts, angles, stage_angles, commanded_loads, commanded_events, compliant;
   double sweeps;        // solutions with friction, beside the first
   double rigid_rows;    // of rigid contacts, at most
   double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
 };
-
-// Some action may change velocities: an impulse, or a mode with a row that another mode of its joint lacks.
-bool may_jump(const PlanData& plan) {
-  return std::any_of(plan.actions.begin(), plan.actions.end(), [&](const Action& action) {
-    if (action.kind == Action::Kind::kImpulse) return true;
-    if (action.kind != Action::Kind::kSetMode) return false;
-    const RowSet rows = plan.get_rows(action.subject, action.mode);
-    const std::int32_t first = plan.joints[at(action.subject)].first_mode;
-    auto end = static_cast<std::int32_t>(plan.modes.size());
-    for (const PlanJoint& joint : plan.joints)
-      if (joint.first_mode > first) end = std::min(end, joint.first_mode);
-    return std::any_of(plan.modes.begin() + first, plan.modes.begin() + end,
-                       [&](RowSet other) { return (rows & ~other) != 0; });
-  });
-}
 
 // Some integration may be ROS2: kernel/elements/compliance.h.
 bool may_be_stiff(const PlanData& plan) {
@@ -71,7 +57,6 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .commanded_loads = plan.commanded_loads,
           .commanded_events = plan.commanded_events,
           .compliant = may_be_stiff(plan),
-          .jumps = may_jump(plan),
           .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
           .rigid_rows = driven[cost::Unit::kRigidRows],
           .contact_rows = driven[cost::Unit::kContactRows]};
@@ -166,6 +151,7 @@ class Rows {
     std::vector<CostRow> rows = {calc_begin(), calc_stages(), calc_projections(), calc_ends()};
     if (limits_.tries > limits_.sub_steps) rows.push_back(calc_searches());
     if (limits_.rounds > 0) rows.push_back(calc_rounds());
+    if (limits_.jumps > 0) rows.push_back(calc_jumps());
     if (limits_.waits > 0) rows.push_back(calc_waits());
     rows.push_back(calc_sub_steps());
     rows.push_back(calc_readings());
@@ -242,15 +228,17 @@ class Rows {
     add_evaluation(row, Changed::kModes);
     row.add(Primitive::kGuards);
     row.add(Primitive::kRound);
-    if (features_.jumps) {
-      row.add(Primitive::kImpulse);
-      row.add_joints(Primitive::kJointSpeeds);
-      row.add_solver(Primitive::kFactor, 1);
-      row.add_bodies(Primitive::kMoveSpeeds);
-      row.add_bodies(Primitive::kVelocities);
-    }
     if (features_.rigid_rows > 0) add_blow(row);
-    return row.repeat("events and impulses", to_double(limits_.rounds));
+    return row.repeat("events", to_double(limits_.rounds));
+  }
+  CostRow calc_jumps() const {
+    RowCost row = begin();
+    row.add(Primitive::kImpulse);
+    row.add_joints(Primitive::kJointSpeeds);
+    row.add_solver(Primitive::kFactor, 1);
+    row.add_bodies(Primitive::kMoveSpeeds);
+    row.add_bodies(Primitive::kVelocities);
+    return row.repeat("impulses of events", to_double(limits_.jumps));
   }
   // The impulse of rigid contacts, or what is left of slips: strike_rigid_pairs(), stop_rigid_slips().
   void add_blow(RowCost& row) const {
@@ -267,7 +255,7 @@ class Rows {
   }
   CostRow calc_waits() const {
     RowCost row = begin();
-    row.add(Primitive::kRound);
+    row.add(Primitive::kWait);
     return row.repeat("events that begin to wait", to_double(limits_.waits));
   }
   CostRow calc_sub_steps() const {
@@ -309,14 +297,16 @@ const cost::Measured& get_measured(const CostTarget& target) {
 
 // Events that act once in a flight, and those that may act at every instant; an event with a delay has two instants.
 struct EventCounts {
-  std::int64_t once = 0, repeating = 0, delayed = 0, delayed_by_time = 0, instants = 0;
+  std::int64_t once = 0, repeating = 0, delayed = 0, repeating_delayed = 0, instants = 0;
+  std::int64_t jumps = 0, repeating_jumps = 0;  // those after which velocities may jump
 };
 EventCounts count_events(const PlanData& plan) {
   EventCounts counts;
   for (const PlanEvent& event : plan.events) {
     (event.repeat ? counts.repeating : counts.once) += 1;
     counts.delayed += event.delay > 0 ? 1 : 0;
-    counts.delayed_by_time += event.delay > 0 && event.by_time ? 1 : 0;
+    counts.repeating_delayed += event.delay > 0 && event.repeat ? 1 : 0;
+    if (cost::may_jump(plan, event)) (event.repeat ? counts.repeating_jumps : counts.jumps) += 1;
   }
   counts.instants = counts.once + counts.delayed;
   return counts;
@@ -362,25 +352,35 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   // At one instant an event acts or begins to wait once, and a pair changes twice; of rigid contacts as often as
   // act_in_rounds() allows.
   limits.rounds = events.once + (1 + limits.splits) * (events.repeating + 2 * pairs + count_round_limit(plan));
-  limits.waits = events.delayed + (events.repeating > 0 ? limits.splits : 0);
+  limits.jumps = std::min(limits.rounds, events.jumps + (1 + limits.splits) * events.repeating_jumps);
+  // A round in which nothing but waits begins is the last one of its instant; of rigid contacts so is one that finds
+  // nothing left to change.
+  const bool always = events.repeating_delayed > 0 || plan.rigid_pairs > 0;
+  limits.waits = always ? 1 + limits.splits : std::min(1 + limits.splits, events.delayed);
   return limits;
 }
 
-StepLimits get_counted_limits(const Plan& owner, std::int64_t integrations, std::int64_t rounds) noexcept {
+StepLimits get_counted_limits(const Plan& owner, const StepCounts& counts) noexcept {
   const PlanData& plan = get_data(owner);
   const StepLimits most = calc_step_limits(owner);
-  const bool all_audited = plan.rigid_pairs == 0 || rounds < count_audits(plan);
+  const std::int64_t integrations = counts.integrations;
+  const bool all_audited = plan.rigid_pairs == 0 || counts.rounds < count_audits(plan);
   StepLimits limits;
-  // These have no audit. Whoever crosses zero is located by two tries at least, after the one that showed it.
+  limits.rounds = all_audited ? counts.rounds : most.rounds;
+  limits.jumps = all_audited ? std::min(counts.jumps, limits.rounds) : most.jumps;
+  // The last rounds of rigid contacts have no audit, one at each instant at most.
+  limits.waits = std::min(most.waits, plan.rigid_pairs > 0 ? 1 + integrations : counts.waits);
+  limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
+  // Where nothing else splits a step, each split has a round. One that is searched for takes two tries at least, after
+  // the one that showed it.
   constexpr std::int64_t kLeast = 3;
-  limits.waits = std::min(most.waits, integrations / kLeast + count_events(plan).delayed_by_time);
-  // Where nothing else splits a step, each split has a round.
-  const bool by_events = plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits;
-  limits.parts = limits.sub_steps =
-      std::min({integrations, most.sub_steps, by_events ? 1 + rounds + limits.waits : integrations});
+  if (plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits) {
+    const std::int64_t timed = std::min(counts.timed, integrations - 1), located = (integrations - 1 - timed) / kLeast;
+    limits.parts = limits.sub_steps =
+        std::min({limits.sub_steps, 1 + timed + located, 1 + counts.rounds + limits.waits});
+  }
   limits.tries = integrations;
   limits.searches = integrations - limits.sub_steps;
-  limits.rounds = all_audited ? rounds : most.rounds;
   limits.follows = true;
   return limits;
 }

@@ -58,7 +58,8 @@ enum class Primitive : std::int32_t {
   kRearm,            // rearm()
   kNextDue,          // calc_next_due()
   kAct,              // act(), where nothing is due
-  kRound,            // act() where something is due, per round of events
+  kRound,            // act() where something acts, per round of events
+  kWait,             // act() where events only begin to wait
   kStep,             // step(), per sub-step
   kFirstStep,        // likewise, of a state that no step has ended with
   kCount,
@@ -75,6 +76,6 @@ inline constexpr std::array<const char*, kPrimitives> kPrimitiveNames = {
     "guards",         "readings",     "parts",          "contact_rows", "rigid_rows",
     "rigid_strike",   "rigid_stop",   "rigid_slips",    "search",       "try",
     "store",          "rearm",        "next_due",       "act",          "round",
-    "step",           "first_step"};
+    "wait",           "step",         "first_step"};
 
 }  // namespace unlatch::cost

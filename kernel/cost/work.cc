@@ -4,8 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "kernel/cost/load_times.h"
+#include "kernel/cost/step_counts.h"
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/kinds/contact/rigid_row.h"
 #include "kernel/elements/kinds/kinds.h"
@@ -50,19 +53,10 @@ std::vector<Change> list_changes(const PlanData& plan, const Is& is) {
   return changes;
 }
 
-std::size_t count_modes(const PlanData& plan, int joint) {
-  const std::int32_t first = plan.joints[at(joint)].first_mode;
-  std::int32_t end = static_cast<std::int32_t>(plan.modes.size());
-  for (const PlanJoint& other : plan.joints)
-    if (other.first_mode > first) end = std::min(end, other.first_mode);
-  return at(end - first);
-}
-
 Course get_course(const PlanData& plan, int joint) {
   Course course;
   course.begin.push_back(plan.joints[at(joint)].mode);
-  for (std::size_t m = 0; m < count_modes(plan, joint); ++m)
-    course.begin.push_back(plan.get_rows(joint, static_cast<std::int64_t>(m)));
+  for (const RowSet rows : get_modes(plan, joint)) course.begin.push_back(rows);
   course.changes = list_changes(
       plan, [&](const Action& action) { return action.kind == Action::Kind::kSetMode && action.subject == joint; });
   return course;
@@ -109,9 +103,8 @@ std::vector<GroupModes> list_group_modes(const PlanData& plan, const Group& grou
   std::vector<GroupModes> all = {{0, 0, false, group.count < group.width}};  // empty lanes hold no row
   for (const JointClass& own : list_classes(plan, group)) {
     std::vector<GroupModes> with;
-    for (std::size_t m = 0; m < count_modes(plan, own.joint); ++m)
-      for (const GroupModes& others : all)
-        add_once(with, unite(others, get_lane_modes(group, plan.get_rows(own.joint, static_cast<std::int64_t>(m)))));
+    for (const RowSet rows : get_modes(plan, own.joint))
+      for (const GroupModes& others : all) add_once(with, unite(others, get_lane_modes(group, rows)));
     all = std::move(with);
   }
   return all;
@@ -230,8 +223,7 @@ void count_dense_loops(const PlanData& plan, int lanes, Work& work) {
 
 double count_most_rows(const PlanData& plan, int joint) {
   int most = 0;
-  for (std::size_t m = 0; m < count_modes(plan, joint); ++m)
-    most = std::max(most, std::popcount(plan.get_rows(joint, static_cast<std::int64_t>(m))));
+  for (const RowSet rows : get_modes(plan, joint)) most = std::max(most, std::popcount(rows));
   return most;
 }
 
@@ -303,29 +295,73 @@ Course get_element_course(const PlanData& plan, std::int32_t element) {
           })};
 }
 
-bool may_be_on(const PlanData& plan, std::int32_t element) {
-  const Course course = get_element_course(plan, element);
-  return course.begin.front() != 0 || std::any_of(course.changes.begin(), course.changes.end(),
-                                                  [](const Change& change) { return change.value != 0; });
-}
+// Loads that are on at one time.
+class LoadCount {
+ public:
+  explicit LoadCount(const PlanData& plan)
+      : plan_(plan), spans_(list_on_spans(plan)), predecessors_(list_predecessors(plan)) {
+    for (const PlanLoad& load : plan.loads) courses_.push_back(get_element_course(plan, load.element));
+  }
 
-void count_loads(const PlanData& plan, Work& work) {
-  // Of each profile the load that read it last: the next one reads the kept value if its own time is the same.
-  std::vector<std::int32_t> last(plan.profiles.size(), kNone);
-  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
-    const PlanLoad& load = plan.loads[i];
-    work[Unit::kLoads] += 1;
-    if (!may_be_on(plan, load.element)) continue;
+  // The most of each unit at any time: the beginning of some span.
+  void add_most(Work& work) const {
+    Work most;
+    for (const PlanLoad& load : plan_.loads)
+      for (const OnSpan& span : spans_[at(load.element)]) {
+        const Work own = count_at(span.from);
+        for (std::size_t i = 0; i < kUnits; ++i) most.counts[i] = std::max(most.counts[i], own.counts[i]);
+      }
+    for (std::size_t i = 0; i < kUnits; ++i) work.counts[i] += most.counts[i];
+  }
+
+ private:
+  bool may_be_on(std::int32_t element, double t) const {
+    return std::any_of(spans_[at(element)].begin(), spans_[at(element)].end(),
+                       [&](const OnSpan& span) { return span.from <= t && t <= span.to; });
+  }
+
+  Work count_at(double t) const {
+    // Of each profile the load that read it last: the next one reads the kept value if its own time is the same.
+    std::vector<std::int32_t> last(plan_.profiles.size(), kNone);
+    std::vector<Work> of_elements(plan_.element_scales.size());
+    for (std::size_t i = 0; i < plan_.loads.size(); ++i) {
+      const PlanLoad& load = plan_.loads[i];
+      if (!may_be_on(load.element, t)) continue;
+      std::int32_t& before = last[at(load.profile)];
+      const bool kept = before != kNone && courses_[at(before)] == courses_[i];
+      add_load(load, kept, of_elements[at(load.element)]);
+      before = static_cast<std::int32_t>(i);
+    }
+    Work work;
+    for (std::size_t e = 0; e < of_elements.size(); ++e) {
+      Work& own = of_elements[e];
+      if (predecessors_[e] != kNone) {  // never together: the one that has more
+        Work& other = of_elements[at(predecessors_[e])];
+        for (std::size_t i = 0; i < kUnits; ++i) own.counts[i] = std::max(own.counts[i], std::exchange(other.counts[i], 0));
+      }
+    }
+    for (const Work& own : of_elements)
+      for (std::size_t i = 0; i < kUnits; ++i) work.counts[i] += own.counts[i];
+    return work;
+  }
+
+  void add_load(const PlanLoad& load, bool kept, Work& work) const {
     work[Unit::kOnLoads] += 1;
     if (!load.apart) work[Unit::kAttachedLoads] += 1;
     if (load.apart || load.consumption != 0) work[Unit::kApartLoads] += 1;
     if (load.law != kNone) work[Unit::kLawLoads] += 1;
-    std::int32_t& before = last[at(load.profile)];
-    const bool kept = before != kNone && get_element_course(plan, plan.loads[at(before)].element) ==
-                                             get_element_course(plan, load.element);
-    if (!kept) count_profile(plan.profiles[at(load.profile)], work);
-    before = static_cast<std::int32_t>(i);
+    if (!kept) count_profile(plan_.profiles[at(load.profile)], work);
   }
+
+  const PlanData& plan_;
+  std::vector<std::vector<OnSpan>> spans_;  // of each element
+  std::vector<std::int32_t> predecessors_;  // likewise
+  std::vector<Course> courses_;             // of each load
+};
+
+void count_loads(const PlanData& plan, Work& work) {
+  work[Unit::kLoads] += static_cast<double>(plan.loads.size());
+  LoadCount(plan).add_most(work);
   // Once more for each search of their points; that of one table takes two bisections, that of four switches one.
   if (plan.time_corners) work[Unit::kCorners] += 0.25 * static_cast<double>(plan.element_scales.size());
   for (const PlanLoad& load : plan.loads)

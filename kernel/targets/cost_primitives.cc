@@ -272,8 +272,10 @@ StepStatus wrap_act(Run& run, double now, std::span<const double> tolerances) {
   Within within(P::kAct);
   const std::uint64_t before = target::energies;
   const StepStatus status = real_act(run, now, tolerances);
-  // A round computes energies before its events, and behind them if some acted.
-  if (target::energies > before) within.divide(P::kRound, (target::energies - before + 1) / 2);
+  // A round computes energies before its events, and behind them if some acted: in the last one they may only wait.
+  const std::uint64_t count = target::energies - before;
+  if (count > 1) within.divide(P::kRound, count / 2);
+  if (count == 1) within.divide(P::kWait, 1);
   return status;
 }
 

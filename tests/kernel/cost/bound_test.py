@@ -18,14 +18,14 @@ def run(command, **options):
 
 
 def count_steps(models, image, folder):
-    """Of each step: integrations, rounds of events, instructions."""
+    """Of each step: what it has done (the words of StepCounts), instructions."""
     steps = run(["valgrind", "-q", "--tool=callgrind", f"--toggle-collect={STEP}", f"--dump-after={STEP}",
-                 f"--callgrind-out-file={folder}/dump", models, "steps", image, TICKS]).split()
+                 f"--callgrind-out-file={folder}/dump", models, "steps", image, TICKS]).splitlines()
     dumps = sorted(folder.glob("dump.*"), key=lambda path: int(path.suffix[1:]))
     totals = [int(re.search(r"^(?:totals|summary): (\d+)", dump.read_text(errors="replace"), re.M)[1]) for dump in dumps]
     for dump in dumps:
         dump.unlink()
-    return [(int(a), int(b), total) for a, b, total in zip(steps[0::2], steps[1::2], totals)]
+    return list(zip(steps, totals))
 
 
 def main():
@@ -43,19 +43,19 @@ def main():
             seed += 1
             if image.stat().st_size > MOST_BYTES:
                 continue
-            if run([models, "bound", "x86-64"], input=f"{image} 1 1\n").strip() == "unmeasured":
+            if run([models, "bound", "x86-64"], input=f"{image} 1 1 1 1 1\n").strip() == "unmeasured":
                 unmeasured += 1
                 continue
             left -= 1
             counted = count_steps(models, image, folder)[1:]  # the first begins without an evaluation of its state
-            asked = "".join(f"{image} {integrations} {rounds}\n" for integrations, rounds, _ in counted)
-            for (integrations, rounds, count), bound in zip(counted, run([models, "bound", "x86-64"], input=asked).split()):
+            asked = "".join(f"{image} {counts}\n" for counts, _ in counted)
+            for (counts, count), bound in zip(counted, run([models, "bound", "x86-64"], input=asked).split()):
                 steps += 1
                 share = count / float(bound)
                 worst = max(worst, share)
                 if share > 1:
                     above += 1
-                    print(f"{image.stem}: {integrations} integrations, {rounds} rounds: {count} instructions, bound {bound}")
+                    print(f"{image.stem}: integrations, rounds, waits, jumps and timed splits {counts}: {count} instructions, bound {bound}")
     print(f"{steps} steps, the largest {worst:.3f} of its bound, {above} above; {unmeasured} systems have no bound")
     return 1 if above or steps < SYSTEMS * TICKS / 2 else 0
 

@@ -1,8 +1,8 @@
 // Plans for tools/cost.
 //   cost_models images FOLDER FIRST COUNT   writes images of random systems with these seeds; prints their names
 //   cost_models work LANES IMAGE...         prints the work of each plan, by its units
-//   cost_models steps IMAGE TICKS           steps a plan; prints the integrations and rounds of events of each step
-//   cost_models bound TARGET                of each line "IMAGE INTEGRATIONS ROUNDS" prints the bound of such a step
+//   cost_models steps IMAGE TICKS           steps a plan; prints of each step what it has done: its StepCounts
+//   cost_models bound TARGET                of each line "IMAGE COUNTS..." prints the bound of a step that has done it
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,9 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "kernel/cost/step_counts.h"
 #include "kernel/cost/work.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/image_file.h"
@@ -150,9 +152,13 @@ int print_steps(const char* path, std::int64_t ticks) {
   Workspace workspace(plan, workspace_memory.get());
   init_state(plan, state);
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
+    const std::vector<EventState> before(state.events.begin(), state.events.end());
     const StepReport report = step(plan, {plan.get_initial_commands()}, state, workspace);
     if (report.status != StepStatus::kOk) break;
-    std::printf("%d %zu\n", report.substeps, report.audits.size());
+    const std::int64_t waits = cost::count_waits(get_data(plan), before, state.events, report.events);
+    std::printf("%d %zu %lld %lld %lld\n", report.substeps, report.audits.size(), static_cast<long long>(waits),
+                static_cast<long long>(cost::count_jumps(get_data(plan), report.events)),
+                static_cast<long long>(cost::count_timed(get_data(plan), report.events, waits)));
   }
   return 0;
 }
@@ -162,11 +168,11 @@ int print_bounds(const char* name) {
   if (target == nullptr) throw std::runtime_error(std::string("there is no target ") + name);
   std::map<std::string, std::unique_ptr<OpenedImage>> images;
   std::string path;
-  std::int64_t integrations = 0, rounds = 0;
-  while (std::cin >> path >> integrations >> rounds) {
+  StepCounts counts;
+  while (std::cin >> path >> counts.integrations >> counts.rounds >> counts.waits >> counts.jumps >> counts.timed) {
     std::unique_ptr<OpenedImage>& own = images[path];
     if (!own) own = std::make_unique<OpenedImage>(path);
-    const StepCost cost = calc_step_cost(*own->plan, *target, get_counted_limits(*own->plan, integrations, rounds));
+    const StepCost cost = calc_step_cost(*own->plan, *target, get_counted_limits(*own->plan, counts));
     if (cost.unmeasured.empty())
       std::printf("%.17g\n", cost.instructions);
     else

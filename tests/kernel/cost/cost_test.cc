@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "kernel/cost/step_counts.h"
 #include "kernel/cost/work.h"
 #include "kernel/events/limits.h"
 #include "tests/support/contact_models.h"
@@ -82,7 +83,7 @@ TEST(StepCost, PlansWithRigidContactsHaveABoundThatGrowsWithTheirRows) {
   for (const CostTarget* target : list_cost_targets()) {
     const auto calc = [&](const Model& model) {
       const Plan plan = compile_or_throw(model, {});
-      const StepCost cost = calc_step_cost(plan, *target, get_counted_limits(plan, 3, 2));
+      const StepCost cost = calc_step_cost(plan, *target, get_counted_limits(plan, {.integrations = 3, .rounds = 2}));
       EXPECT_TRUE(cost.unmeasured.empty()) << target->name << ": " << cost.unmeasured.front();
       return cost.instructions;
     };
@@ -94,17 +95,79 @@ TEST(StepCost, PlansWithRigidContactsHaveABoundThatGrowsWithTheirRows) {
 TEST(StepLimits, AStepWithMoreRoundsThanAuditsCountsWithTheMostThatItMayHave) {
   const Plan plan = compile_or_throw(build_bouncing_ball(1, 0.5), {});
   const StepLimits most = calc_step_limits(plan);
-  EXPECT_EQ(get_counted_limits(plan, 3, 2).rounds, 2);
-  EXPECT_EQ(get_counted_limits(plan, 3, 1000).rounds, most.rounds);
+  EXPECT_EQ(get_counted_limits(plan, {.integrations = 3, .rounds = 2}).rounds, 2);
+  EXPECT_EQ(get_counted_limits(plan, {.integrations = 3, .rounds = 1000}).rounds, most.rounds);
 }
 
 TEST(StepLimits, WhereEventsAloneSplitAStepEachSplitHasItsRound) {
   Model model = build_pendulum(true, 0);
   model.events = {at_time(0.1, 0, false), at_time(0.2, 0, false)};
-  const StepLimits limits = get_counted_limits(compile_or_throw(model, {}), 9, 1);
+  const StepLimits limits = get_counted_limits(compile_or_throw(model, {}), {.integrations = 9, .rounds = 1});
   EXPECT_EQ(limits.sub_steps, 2);
   EXPECT_EQ(limits.tries, 9);
   EXPECT_EQ(limits.searches, 7);
+}
+
+// A joint that an event sets from its first mode, with rows, to its second one, with fewer; `back`: another event sets it
+// back at a time, in whatever mode it is.
+Model build_release(bool back) {
+  Model model;
+  model.bodies = {box("a", 1, 1, 1, 1), box("b", 1, 1, 1, 1)};
+  Joint joint;
+  joint.name = "joint";
+  joint.base = 0;
+  joint.follower = 1;
+  joint.modes = {{"held", kPointRows}, {"free", 0}};
+  model.joints = {joint};
+  Event release = at_time(0.1, 0, false);
+  release.then = {{.kind = Action::Kind::kSetMode, .subject = 0, .mode = 1}};
+  Condition both;
+  both.kind = Condition::Kind::kAll;
+  both.parts = {when_time(0.1), when(Condition::Kind::kMode, 0, 0, 0)};
+  release.when = both;
+  model.events = {release};
+  if (!back) return model;
+  Event hold = at_time(0.2, 0, false);
+  hold.then = {{.kind = Action::Kind::kSetMode, .subject = 0, .mode = 0}};
+  model.events.push_back(hold);
+  return model;
+}
+
+TEST(StepLimits, VelocitiesJumpOnlyWhereAnActionMayAddRows) {
+  EXPECT_EQ(calc_limits(build_release(false)).jumps, 0);
+  EXPECT_EQ(calc_limits(build_release(true)).jumps, 1);
+}
+
+TEST(StepLimits, AnEventThatActsInOneModeAddsTheRowsThatThisModeLacks) {
+  Model model = build_release(true);
+  Event& hold = model.events.back();
+  Condition both;
+  both.kind = Condition::Kind::kAll;
+  both.parts = {when_time(0.2), when(Condition::Kind::kMode, 0, 0, 0)};
+  hold.when = both;  // only while it is held; but the release may act before it in the same round
+  EXPECT_EQ(calc_limits(model).jumps, 1);
+  model.events.erase(model.events.begin());
+  EXPECT_EQ(calc_limits(model).jumps, 0);
+  model.events.front().delay = 0.1;  // by then it may have any mode
+  EXPECT_EQ(calc_limits(model).jumps, 1);
+}
+
+TEST(StepLimits, EventsThatBeginToWaitTogetherTakeOneRound) {
+  Model model = build_pendulum(true, 0);
+  model.events = {at_time(0.1, 0.5, false), at_time(0.1, 0.5, false), at_time(0.2, 0.5, false)};
+  model.events[1].name = "also";
+  const Plan plan = compile_or_throw(model, {});
+  const EventState armed{EventPhase::kArmed, 0}, first{EventPhase::kPending, 0.6}, second{EventPhase::kPending, 0.7};
+  const EventState spent{EventPhase::kSpent, 0};
+  const auto count = [&](const std::vector<EventState>& before, const std::vector<EventState>& after,
+                         const std::vector<FiredEvent>& fired) {
+    return cost::count_waits(get_data(plan), before, after, fired);
+  };
+  EXPECT_EQ(count({armed, armed, armed}, {first, first, armed}, {}), 1);
+  EXPECT_EQ(count({armed, armed, armed}, {first, first, second}, {}), 2);
+  EXPECT_EQ(count({first, first, armed}, {first, first, second}, {}), 1);
+  EXPECT_EQ(count({first, first, armed}, {spent, spent, armed}, {{0, 0.6}, {1, 0.6}}), 0);
+  EXPECT_EQ(count({armed, armed, armed}, {armed, armed, spent}, {{2, 0.7}}), 1);
 }
 
 TEST(StepCost, ItGrowsWithEveryLimit) {
@@ -112,7 +175,8 @@ TEST(StepCost, ItGrowsWithEveryLimit) {
   const CostTarget& target = *list_cost_targets().front();
   const StepLimits one;
   const double least = calc_step_cost(plan, target, one).instructions;
-  for (std::int64_t StepLimits::*limit : {&StepLimits::sub_steps, &StepLimits::tries, &StepLimits::rounds}) {
+  for (std::int64_t StepLimits::*limit : {&StepLimits::sub_steps, &StepLimits::tries, &StepLimits::rounds, &StepLimits::waits,
+                                           &StepLimits::jumps}) {
     StepLimits more = one;
     more.*limit += 1;
     EXPECT_GT(calc_step_cost(plan, target, more).instructions, least);

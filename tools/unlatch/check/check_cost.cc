@@ -103,7 +103,8 @@ nlohmann::ordered_json build_cost_json(const hil::Scenario& scenario, const Plan
   Json json = {{"target", target.name}, {"processor", target.processor}, {"unmeasured", most.cost.unmeasured}};
   json["limits"] = {{"parts", most.limits.parts},         {"splits", most.limits.splits},
                     {"sub_steps", most.limits.sub_steps}, {"tries", most.limits.searches},
-                    {"integrations", most.limits.tries},  {"rounds", most.limits.rounds}};
+                    {"integrations", most.limits.tries},  {"rounds", most.limits.rounds},
+                    {"waits", most.limits.waits},         {"jumps", most.limits.jumps}};
   if (!most.cost.unmeasured.empty()) return json;
   json["phases"] = Json::array();
   for (const CostRow& row : most.cost.rows)

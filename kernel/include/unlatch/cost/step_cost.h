@@ -34,6 +34,7 @@ struct StepLimits {
   std::int64_t tries = 1;      // integrations: one for each sub-step, and those of searches
   std::int64_t rounds = 0;     // of events that act
   std::int64_t waits = 0;      // further rounds, in which an event only begins to wait for its delay
+  std::int64_t jumps = 0;      // rounds in which velocities may jump: with impulses, or with rows that close
 };
 // Of any step of a plan.
 StepLimits calc_step_limits(const Plan& plan) noexcept;
@@ -59,8 +60,15 @@ struct StepCost {
 // Of a step that does as much as `limits` say: at most calc_step_limits(), or what a StepReport has counted.
 StepCost calc_step_cost(const Plan& plan, const CostTarget& target, const StepLimits& limits);
 
-// Limits of a step that follows another one and has done so many integrations and rounds of events
-// (StepReport::substeps, StepReport::audits).
-StepLimits get_counted_limits(const Plan& plan, std::int64_t integrations, std::int64_t rounds) noexcept;
+// What a step has done, each at most.
+struct StepCounts {
+  std::int64_t integrations = 1;  // StepReport::substeps
+  std::int64_t rounds = 0;        // StepReport::audits
+  std::int64_t waits = 0;         // rounds in which some event began to wait for its delay
+  std::int64_t jumps = 0;         // rounds in which velocities may have jumped
+  std::int64_t timed = 0;         // splits at times that were known, which take no search
+};
+// Limits of a step that follows another one and has done so much.
+StepLimits get_counted_limits(const Plan& plan, const StepCounts& counts) noexcept;
 
 }  // namespace unlatch
