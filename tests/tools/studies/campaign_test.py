@@ -291,7 +291,7 @@ parameters:
         self.assertAlmostEqual(float(rows["near"]["quantile 0.95"]), 1e3 * quantiles["near"]["0.95"], places=8)
         for one in summary["requirements"]:  # an estimate beside the bounds
             self.assertEqual(one["estimate"], one["failed"] / summary["samples"])
-            self.assertRegex(printed, rf"{one['id']} +\d+ +\d+ +{one['estimate']:.5g}  ")
+            self.assertRegex(printed, rf"{one['id']} +\d+ +\d+ +\d+ +{one['estimate']:.5g}  ")
         any_ = summary["any_requirement"]
         self.assertEqual(int(rows["any"]["failed"]), any_["failed"])
         self.assertAlmostEqual(float(rows["any"]["bound high"]), any_["probability"][1], places=8)
