@@ -13,8 +13,8 @@ KERNEL = ("include", "math", "geometry", "simd", "model", "environment", "plan",
           "cost/measured", "targets", "targets/ports")  # lowest first
 HIL = ("scenario/base", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/flexible",
        "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/audit", "run/notices", "run/findings",
-       "run/extremes", "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/sampling",
-       "study/statistics", "study/evaluation", "study/campaign", "study/campaign/samples", "study/optimize/problem",
+       "run/extremes", "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/statistics",
+       "study/sampling", "study/evaluation", "study/campaign", "study/campaign/samples", "study/optimize/problem",
        "study/optimize")  # lowest first
 HIL_GROUPS = ("scenario", "run", "session", "study")
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first

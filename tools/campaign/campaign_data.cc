@@ -125,7 +125,10 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
   if (campaign.step_search) manifest["step"] = write_step(*campaign.step_search);
   if (campaign.failure) manifest["subset"] = write_failure(*campaign.failure);
   for (const hil::InputColumn& input : list_inputs(campaign))
-    manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}, {"shown", write_shown(input.shown)}});
+    manifest["inputs"].push_back({{"name", input.name},
+                                  {"unit", input.unit},
+                                  {"shown", write_shown(input.shown)},
+                                  {"category", input.is_category}});
   for (const hil::CampaignParameter& parameter : campaign.parameters)
     manifest["parameters"].push_back({{"name", parameter.name},
                                       {"paths", parameter.paths},

@@ -75,7 +75,12 @@ Json list_orders(const CampaignData& data) {
   const EventOrders orders(data.manifest.at("columns"));
   std::map<std::string, Class> classes;
   std::vector<double> values(orders.get_count());
+  std::int64_t left_out = 0;
   for (std::size_t row = 0; row < data.rows; ++row) {
+    if (data.get_status(row) != hil::SampleStatus::kDone) {  // an order that was cut off, or may be another
+      ++left_out;
+      continue;
+    }
     data.table->read_numbers(data.get_place(row), data.table->shape().inputs + orders.get_first(), values);
     Class& own = classes[orders.encode(values)];
     if (own.samples++ == 0) own.first = data.get_sample(row);
@@ -83,7 +88,7 @@ Json list_orders(const CampaignData& data) {
   std::vector<const std::pair<const std::string, Class>*> sorted;
   for (const auto& one : classes) sorted.push_back(&one);
   std::ranges::stable_sort(sorted, std::greater(), [](const auto* one) { return one->second.samples; });
-  Json json = {{"count", sorted.size()}, {"classes", Json::array()}};
+  Json json = {{"count", sorted.size()}, {"left_out", left_out}, {"classes", Json::array()}};
   for (std::size_t i = 0; i < std::min(kMostOrders, sorted.size()); ++i)
     json["classes"].push_back({{"order", orders.describe(sorted[i]->first)},
                                {"samples", sorted[i]->second.samples},

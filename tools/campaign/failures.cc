@@ -38,7 +38,7 @@ Json calc_estimate(std::int64_t failed, std::int64_t unresolved, std::int64_t co
 namespace {
 
 struct Counts {
-  std::int64_t failed = 0, unjudged = 0, unresolved = 0, samples = 0;
+  std::int64_t failed = 0, unjudged = 0, unresolved = 0, samples = 0, faulted = 0;
 };
 
 void describe_probability(const Counts& counts, Json& json) {
@@ -50,7 +50,8 @@ Counts count_any(const CampaignData& data) {
   std::vector<std::vector<double>> margins;
   for (const Json& requirement : data.manifest.at("requirements"))
     margins.push_back(data.read_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
-  Counts counts{0, 0, 0, static_cast<std::int64_t>(data.rows)};
+  Counts counts;
+  counts.samples = static_cast<std::int64_t>(data.rows);
   for (std::size_t row = 0; row < data.rows; ++row) {
     const hil::SampleStatus status = data.get_status(row);
     if (status == hil::SampleStatus::kUnresolved) {
@@ -64,14 +65,17 @@ Counts count_any(const CampaignData& data) {
 }
 
 Counts count_failures(const CampaignData& data, const std::vector<double>& margins) {
-  Counts counts{0, 0, 0, static_cast<std::int64_t>(data.rows)};
+  Counts counts;
+  counts.samples = static_cast<std::int64_t>(data.rows);
   for (std::size_t row = 0; row < data.rows; ++row) {
     if (data.get_status(row) == hil::SampleStatus::kUnresolved) {
       ++counts.unresolved;
       continue;
     }
     counts.failed += fails(data.get_status(row), margins[row]) ? 1 : 0;
-    counts.unjudged += std::isnan(margins[row]) ? 1 : 0;
+    const bool done = data.get_status(row) == hil::SampleStatus::kDone;
+    counts.unjudged += done && std::isnan(margins[row]) ? 1 : 0;
+    counts.faulted += done ? 0 : 1;
   }
   return counts;
 }
@@ -150,7 +154,8 @@ Json describe_requirement(const CampaignData& data, const std::optional<Campaign
   const Counts counts = count_failures(data, data.read_column(margin));
   Json json = requirement;
   json["failed"] = counts.failed;
-  json["not_evaluated"] = counts.unjudged;  // counted as failed
+  json["not_evaluated"] = counts.unjudged;  // of samples that ran to their end; counted as failed
+  json["faulted"] = counts.faulted;         // counted as failed, too
   json["unresolved"] = counts.unresolved;   // neither met nor missed: the bounds hold whatever they are
   const std::vector<double> sorted = sort_present(data.read_results(value));
   json["min"] = sorted.empty() ? Json(nullptr) : to_json(sorted.front());
@@ -215,10 +220,12 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   json.erase("column_index");
   json["finished"] = subset.is_finished();
   json["reached"] = estimate.reached;
+  json["tied"] = estimate.tied;
   // The levels take unresolved samples for failures, so that only the upper bound holds where there are any.
-  const bool known = subset.is_finished() && unresolved == 0;
+  const bool known = estimate.decided && unresolved == 0;
+  json["decided"] = known;
   json["probability"] = known ? to_json(estimate.probability) : Json(nullptr);
-  json["deviation"] = known || !subset.is_finished() ? to_json(estimate.deviation) : Json(nullptr);
+  json["deviation"] = known ? to_json(estimate.deviation) : Json(nullptr);
   json["interval"] = {unresolved == 0 ? estimate.low : 0.0, estimate.high};
   json["met"] = known && estimate.reached && estimate.high <= failure.at_most;
   json["failed_samples"] = failed;
@@ -230,6 +237,7 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
     json["levels_run"].push_back({{"first", level.first},
                                   {"last", level.last},
                                   {"threshold", to_json(level.threshold)},
+                                  {"failed", level.failed},
                                   {"probability", level.probability},
                                   {"deviation", to_json(level.deviation)},
                                   {"acceptance", level.acceptance},

@@ -27,7 +27,7 @@ std::string judge(const Json& requirement) {
 }
 
 Row head_requirements() {
-  Row row{"requirement", "text",       "unit",        "at least",  "at most",    "verdict", "failed",
+  Row row{"requirement", "text",       "unit",        "at least",  "at most",    "verdict", "failed",  "faulted",
           "missing",     "unresolved", "probability", "bound low", "bound high", "least",   "greatest"};
   for (const char* p : kQuantiles) row.push_back("quantile " + std::string(p));
   row.insert(row.end(), {"99 % are above", "99 % are below"});
@@ -43,6 +43,7 @@ Row build_requirement(const Json& one, const char* form) {
           show(one, one.at("at_most"), form),
           judge(one),
           std::to_string(one.at("failed").get<long long>()),
+          std::to_string(one.at("faulted").get<long long>()),
           std::to_string(one.at("not_evaluated").get<long long>()),
           std::to_string(one.at("unresolved").get<long long>()),
           show(one.at("estimate"), form),
@@ -65,12 +66,12 @@ Row build_any(const Json& any, const char* form) {
   row[1] = "Any requirement is not met";
   row[5] = any.at("failed") > 0 ? "not met" : any.at("unresolved") > 0 ? "unresolved" : "met";
   row[6] = std::to_string(any.at("failed").get<long long>());
-  row[8] = std::to_string(any.at("unresolved").get<long long>());
-  row[9] = show(any.at("estimate"), form);
+  row[9] = std::to_string(any.at("unresolved").get<long long>());
+  row[10] = show(any.at("estimate"), form);
   const Json& bounds = any.at("probability");
   if (bounds.is_null()) return row;
-  row[10] = show(bounds[0], form);
-  row[11] = show(bounds[1], form);
+  row[11] = show(bounds[0], form);
+  row[12] = show(bounds[1], form);
   return row;
 }
 
@@ -144,7 +145,8 @@ std::string write_review(const Json& summary) {
     rows.push_back({input.at("name"), get_shown_unit(input), show(input, input.at("min"), "%.5g"),
                     show(input, input.at("mean"), "%.5g"), show(input, input.at("deviation"), "%.5g"),
                     show(input, input.at("max"), "%.5g")});
-  return text + "\n## Inputs, as drawn\n\n" + to_markdown(rows);
+  const bool drawn = !summary.at("basis").at("draws").is_null();
+  return text + (drawn ? "\n## Inputs, as drawn\n\n" : "\n## Inputs, as chosen\n\n") + to_markdown(rows);
 }
 
 }  // namespace unlatch::tools

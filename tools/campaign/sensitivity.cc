@@ -40,18 +40,22 @@ Blocks get_blocks(const CampaignData& data, const std::vector<double>& values, s
 }
 
 // The values of each input that a grid combines with all of the others: the part of the variance over the grid of
-// their means. Each is exact for the grid and is without chance; NaN: a sample lacks its value, or all are equal.
+// their means. Each is exact for the grid and is without chance; rounding is 0. NaN: a sample lacks its value.
 std::vector<double> calc_grid_effects(const CampaignData& data, const std::vector<double>& values) {
   std::vector<double> effects;
   const auto n = static_cast<double>(values.size());
   const bool whole = static_cast<std::int64_t>(values.size()) == data.manifest.at("samples").get<std::int64_t>() &&
                      std::ranges::none_of(values, [](double x) { return std::isnan(x); });
-  double mean = 0, total = 0;
-  for (const double value : values) mean += value / n;
+  double mean = 0, total = 0, most = 0;
+  for (const double value : values) {
+    mean += value / n;
+    most = std::max(most, std::abs(value));
+  }
+  const double digit = 16 * std::numeric_limits<double>::epsilon() * most, rounding = n * digit * digit;
   for (const double value : values) total += (value - mean) * (value - mean);
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
-    if (!whole || !(total > 0)) {
-      effects.push_back(std::numeric_limits<double>::quiet_NaN());
+    if (!whole || !(total > rounding)) {  // of equal values nothing is explained
+      effects.push_back(whole ? 0 : std::numeric_limits<double>::quiet_NaN());
       continue;
     }
     std::map<double, std::pair<double, double>> sums;  // by the input's value: samples, sum
@@ -63,7 +67,7 @@ std::vector<double> calc_grid_effects(const CampaignData& data, const std::vecto
     }
     double between = 0;
     for (const auto& [value, one] : sums) between += one.second * one.second / one.first;
-    effects.push_back(between / total);
+    effects.push_back(between > rounding ? between / total : 0);
   }
   return effects;
 }

@@ -1,5 +1,6 @@
 #include "tools/campaign/summary.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -49,6 +50,9 @@ Json build_summary(const CampaignData& all) {
                       {"text", hil::describe_basis(sampling)}};
   // Parts of a variance by correlated inputs overlap; those of a table may be correlated.
   summary["correlated"] = data.manifest.value("correlated", false) || sampling == hil::Sampling::kCsv;
+  // The three components of a direction have its two numbers.
+  summary["directions"] = std::ranges::any_of(data.manifest.at("parameters"),
+                                              [](const Json& parameter) { return parameter.at("numbers") != 1; });
   const Json blows = count_blows(data);
   for (const Json& requirement : data.manifest.at("requirements")) {
     Json described = describe_requirement(data, population, requirement);
@@ -68,7 +72,7 @@ Json build_summary(const CampaignData& all) {
   hil::RankedVariables ranked;
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
     const std::vector<double> values = described.read_input(k);
-    ranked.add(values);
+    ranked.add(values, data.manifest.at("inputs")[k].value("category", false));
     summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values, drawn));
   }
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {

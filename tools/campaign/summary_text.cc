@@ -65,13 +65,26 @@ void print_rare(std::FILE* to, const Json& rare) {
     std::fprintf(to, "  %s\n", paint(to, Colour::kRed, most).c_str());
     return;
   }
+  if (!rare.at("decided").get<bool>()) {
+    const long long failed = rare.at("levels_run").back().at("failed").get<long long>();
+    const std::string open =
+        format("undecided: probability at most %.2e (95 %%), without an estimate: %lld of the last level fail",
+               rare.at("interval")[1].get<double>(), failed) +
+        (rare.at("tied").get<bool>() ? ", and so many of the others have the same margin that no level leads further: "
+                                       "more samples, or another column whose values differ"
+                                     : ": more levels");
+    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, open).c_str());
+    return;
+  }
   const std::string text = format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
                                   rare.at("interval")[0].get<double>(), rare.at("interval")[1].get<double>());
   const bool met = rare.at("met").get<bool>();
   std::fprintf(to, "  %s, coefficient of variation %s%s\n",
                paint(to, met ? Colour::kGreen : Colour::kRed, text).c_str(),
                describe_number(rare.at("deviation"), "%.2f").c_str(),
-               rare.at("reached").get<bool>() ? "" : "; the last level had too few failures: more levels");
+               rare.at("reached").get<bool>() ? ""
+               : rare.at("tied").get<bool>()  ? "; few samples fail, and no level leads further: more samples"
+                                              : "; the last level had too few failures: more levels");
 }
 
 constexpr std::size_t kNamed = 10;  // samples that are listed
@@ -152,8 +165,8 @@ const char* get_influence_heading(const Json& sensitivity) {
   if (sensitivity.contains("sobol"))
     return "Influences: Sobol' totals, parts of a value's variance that go with an input, alone or with others";
   if (sensitivity.contains("morris"))
-    return "Influences: mean sizes of elementary effects (Morris), in the value's SI unit for the middle 98 % of an "
-           "input";
+    return "Influences: mean sizes of elementary effects (Morris): 1.5 times the change of the value, in its SI unit, "
+           "over two thirds of an input's levels, which are its quantiles of 1 %, 34 %, 66 % and 99 %";
   if (sensitivity.contains("swings"))
     return "Influences: ranges of a value over the levels of an input, the others at their medians, in its SI unit";
   if (sensitivity.contains("grid_effects"))
@@ -164,15 +177,15 @@ const char* get_influence_heading(const Json& sensitivity) {
 // The requirements of samples that are chosen points: without probabilities, quantiles and tolerance limits.
 void print_chosen_requirements(std::FILE* to, const Json& summary) {
   print_heading(to, "Requirements: failures of the samples, least and greatest value");
-  std::fprintf(to, "  %-16s %8s %8s %10s %10s\n", "", "failed", "missing", "least", "greatest");
+  std::fprintf(to, "  %-16s %8s %8s %8s %10s %10s\n", "", "failed", "faulted", "missing", "least", "greatest");
   for (const Json& requirement : summary.at("requirements")) {
     const auto shown = [&](const Json& value) {
       return value.is_null() ? std::string("–") : format("%.5g", to_shown(requirement, value.get<double>()));
     };
-    std::fprintf(to, "  %-16s %8lld %8lld %10s %10s %s\n", requirement.at("id").get<std::string>().c_str(),
-                 requirement.at("failed").get<long long>(), requirement.at("not_evaluated").get<long long>(),
-                 shown(requirement.at("min")).c_str(), shown(requirement.at("max")).c_str(),
-                 get_shown_unit(requirement).c_str());
+    std::fprintf(to, "  %-16s %8lld %8lld %8lld %10s %10s %s\n", requirement.at("id").get<std::string>().c_str(),
+                 requirement.at("failed").get<long long>(), requirement.at("faulted").get<long long>(),
+                 requirement.at("not_evaluated").get<long long>(), shown(requirement.at("min")).c_str(),
+                 shown(requirement.at("max")).c_str(), get_shown_unit(requirement).c_str());
   }
 }
 
@@ -184,8 +197,8 @@ void print_requirements(std::FILE* to, const Json& summary) {
           "of all runs keep to with 95 % confidence (Wilks)");
   if (const std::string basis = summary.at("basis").at("text"); !basis.empty())
     std::fprintf(to, "  %s\n", basis.c_str());
-  std::fprintf(to, "  %-16s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s %-6s %s\n", "", "failed", "missing", "part",
-               "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "", "tolerance");
+  std::fprintf(to, "  %-16s %8s %8s %8s %9s  %-23s %10s %10s %10s %10s %10s %-6s %s\n", "", "failed", "faulted",
+               "missing", "part", "probability", "1 %", "5 %", "50 %", "95 %", "99 %", "", "tolerance");
   for (const Json& requirement : summary.at("requirements")) {
     const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
     const bool failed = requirement.at("failed") > 0;
@@ -195,13 +208,14 @@ void print_requirements(std::FILE* to, const Json& summary) {
     };
     const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
     std::fprintf(
-        to, "  %-16s %s %8lld %9s  %-25s %10s %10s %10s %10s %10s %-6s %s\n",
+        to, "  %-16s %s %8lld %8lld %9s  %-25s %10s %10s %10s %10s %10s %-6s %s\n",
         requirement.at("id").get<std::string>().c_str(),
         paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
             .c_str(),
-        requirement.at("not_evaluated").get<long long>(), describe_number(requirement.at("estimate"), "%.5g").c_str(),
-        bounds.c_str(), shown("0.01").c_str(), shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(),
-        shown("0.99").c_str(), get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
+        requirement.at("faulted").get<long long>(), requirement.at("not_evaluated").get<long long>(),
+        describe_number(requirement.at("estimate"), "%.5g").c_str(), bounds.c_str(), shown("0.01").c_str(),
+        shown("0.05").c_str(), shown("0.5").c_str(), shown("0.95").c_str(), shown("0.99").c_str(),
+        get_shown_unit(requirement).c_str(), describe_tolerance(requirement).c_str());
   }
 }
 
@@ -239,8 +253,17 @@ void print_influences(std::FILE* to, const Json& summary) {
     else if (text.empty())
       text = alone ? "of no input distinct from chance" : "of no input";
     if (alone) text += format("; chance reaches %.2g", least);
+    if (sensitivity.contains("blocks")) {
+      const std::int64_t used = sensitivity.at("blocks").at("used").get<std::int64_t>(),
+                         left_out = sensitivity.at("blocks").at("left_out").get<std::int64_t>();
+      text += left_out > 0 ? format("; by %lld of ", static_cast<long long>(used)) + count(used + left_out, "block") +
+                                 ", the others lack a value"
+                           : "; by " + count(used, "block");
+    }
     if (alone && printed > 1 && summary.at("correlated").get<bool>())
       text += "; inputs may be correlated: their parts overlap and do not add up";
+    else if (alone && printed > 1 && summary.at("directions").get<bool>())
+      text += "; the components of a direction depend on one another: their parts overlap and do not add up";
     else if (alone && printed > 0 && sum < kExplained)
       text += format("; %.0f %% by none alone: inputs act together, or samples are few", 100 * (1 - sum));
     std::fprintf(to, "  %-16s %s\n", id.c_str(), text.c_str());
@@ -294,7 +317,12 @@ void print_summary(std::FILE* to, const Json& summary) {
   for (const Json& sample : summary.at("worst"))
     worst += (worst.empty() ? "" : ", ") + std::to_string(sample.get<long long>());
   std::fprintf(to, "\nWorst samples: %s\n", worst.c_str());
-  std::fprintf(to, "Orders of events: %lld\n", summary.at("orders").at("count").get<long long>());
+  std::fprintf(to, "Orders of events: %lld", summary.at("orders").at("count").get<long long>());
+  if (const auto left_out = summary.at("orders").at("left_out").get<std::int64_t>(); left_out > 0)
+    std::fprintf(
+        to, ", without %s",
+        (count(left_out, "sample") + " that faulted or " + (left_out == 1 ? "is" : "are") + " unresolved").c_str());
+  std::fprintf(to, "\n");
 }
 
 }  // namespace unlatch::tools

@@ -431,6 +431,7 @@ void CampaignReader::read_table(YamlMap& top) {
       factors.push_back(at == table.names.end() ? 1 : read_factor(table, places.back(), input.unit, node->mark));
     }
     if (places.end() != std::find(places.begin(), places.end(), table.names.size())) return;
+    for (const std::size_t place : places) require_numbers(table, place, node->mark);
     for (const CampaignParameter& parameter : campaign_.parameters) {
       const auto at = std::find(table.names.begin(), table.names.end(), parameter.name);
       if (at == table.names.end() || !table.units[static_cast<std::size_t>(at - table.names.begin())].empty()) continue;

@@ -84,6 +84,7 @@ Campaign load_campaign_text(const std::string& text, const std::string& file, co
 struct InputColumn {
   std::string name, unit;
   std::optional<WrittenUnit> shown{};
+  bool is_category = false;  // an index of things in no order
 };
 std::vector<InputColumn> list_inputs(const Campaign& campaign);
 

@@ -39,7 +39,7 @@ std::vector<InputColumn> list_inputs(const Campaign& campaign) {
     if (parameter.distribution.is_cone())
       for (const char* axis : {".x", ".y", ".z"}) columns.push_back({parameter.name + axis, ""});
     else
-      columns.push_back({parameter.name, parameter.unit, parameter.shown});
+      columns.push_back({parameter.name, parameter.unit, parameter.shown, !parameter.choices.empty()});
   }
   return columns;
 }

@@ -77,14 +77,18 @@ struct MetPath {
 // Throws YamlError at `mark`.
 std::vector<MetPath> expand_path(const std::string& path, const SourceMark& mark, const YamlNode& root);
 
-// Table of numbers with a header of names, each with " [unit]" behind it if it has one.
+// Table of numbers with a header of names, each with " [unit]" behind it if it has one. Columns of which a cell is no
+// number may be there for readers: notes, serial numbers.
 struct NumberTable {
   std::string file;
   std::vector<std::string> names, units;
-  std::vector<std::vector<double>> rows;
+  std::vector<std::string> texts{};       // of each column the first cell that is no number, with its line; "": none
+  std::vector<std::vector<double>> rows;  // NaN: no number
 };
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
+// Throws YamlError at `mark` if a cell of the column is no number.
+void require_numbers(const NumberTable& table, std::size_t column, const SourceMark& mark);
 // What the unit of a column means; 1 without one. Throws YamlError at `mark` for what is no unit.
 Quantity read_unit(const NumberTable& table, std::size_t column, const SourceMark& mark);
 // The factor to SI of a column for values whose SI unit is `unit`, "" for plain numbers. Throws YamlError at `mark` if

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/csv_table.h"
@@ -18,12 +19,25 @@ constexpr std::size_t kMostMet = 500, kMostTableBytes = std::size_t{256} << 20;
 
 std::vector<std::string> split(const std::string& line, char separator) {
   std::vector<std::string> cells(1);
+  bool quoted = false;  // no separator is one
   for (const char c : line)
-    if (c == separator)
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == separator && !quoted)
       cells.emplace_back();
-    else if (c != '\r' && c != '"')
+    else if (c != '\r')
       cells.back() += c;
   return cells;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines(1);
+  for (const char c : text)
+    if (c == '\n')
+      lines.emplace_back();
+    else
+      lines.back() += c;
+  return lines;
 }
 
 std::string trim(const std::string& text) {
@@ -96,9 +110,9 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
     throw YamlError(mark, "table '" + name + "': " + why.what,
                     too_long ? why.mend : "a path from this file to a CSV file");
   }
-  NumberTable table{name, {}, {}, {}};
+  NumberTable table{name, {}, {}, {}, {}};
   std::size_t number = 0;
-  for (const std::string& line : split(text, '\n')) {
+  for (const std::string& line : split_lines(text)) {
     ++number;
     if (trim(line).empty()) continue;
     const std::vector<std::string> cells = split(line, ',');
@@ -111,6 +125,7 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
         const std::size_t open = cell.find(" ["), close = cell.rfind(']');
         const bool has_unit = open != std::string::npos && close != std::string::npos && close > open;
         table.units.push_back(has_unit ? cell.substr(open + 2, close - open - 2) : "");
+        table.texts.emplace_back();
       }
       continue;
     }
@@ -121,15 +136,21 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
     std::vector<double>& row = table.rows.emplace_back();
     for (const std::string& cell : cells) {
       const std::string word = trim(cell);
+      std::string& first_text = table.texts[row.size()];
       double value = 0;
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-        throw YamlError(mark, where + ": '" + word + "' is not a number", "a number in SI units, with a point");
-      row.push_back(value);
+      const bool is_number = error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+      if (!is_number && first_text.empty()) first_text = where + ": '" + word + "'";
+      row.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
     }
   }
   if (table.names.empty()) throw YamlError(mark, "table '" + name + "' is empty", "a header and a row a sample");
   return table;
+}
+
+void require_numbers(const NumberTable& table, std::size_t column, const SourceMark& mark) {
+  if (const std::string& text = table.texts[column]; !text.empty())
+    throw YamlError(mark, text + " is not a number", "a number in SI units, with a point");
 }
 
 Quantity read_unit(const NumberTable& table, std::size_t column, const SourceMark& mark) {

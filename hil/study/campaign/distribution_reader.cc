@@ -178,6 +178,7 @@ void CampaignReader::read_empirical(const YamlNode& node, CampaignParameter& to,
                            suggest(column->text, table.names));
     if (table.rows.size() < 2) return mistakes_.add(file->mark, "fewer than two values", "two or more rows");
     const auto place = static_cast<std::size_t>(at - table.names.begin());
+    require_numbers(table, place, column->mark);
     const Quantity unit = read_unit(table, place, column->mark);
     if (!unit.dimension.is_plain()) reading.dimension = unit.dimension;
     if (unit.dimension.is_plain() && table.units[place].empty()) reading.plain = column->mark;

@@ -7,6 +7,7 @@
 
 #include "hil/scenario/base/normal.h"
 #include "hil/scenario/base/philox.h"
+#include "hil/study/statistics/statistics.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -95,7 +96,7 @@ void SubsetSimulation::end_step() {
 }
 
 // Coefficient of variation of a level's probability, with the correlation within its chains: Au and Beck, equations 28
-// to 30. A negative estimate of the correlation's contribution counts as zero.
+// to 30. A negative estimate of the correlation's contribution counts as zero. Chains that share a seed count as one.
 double SubsetSimulation::calc_deviation(double threshold, bool fails, double probability) const {
   if (!(probability > 0)) return kNone;
   const auto chains = static_cast<std::size_t>(plan_.chains);
@@ -110,7 +111,34 @@ double SubsetSimulation::calc_deviation(double threshold, bool fails, double pro
     const double correlation = (static_cast<double>(both) / pairs - probability * probability) / variance;
     gamma += 2 * (1 - static_cast<double>(lag) / static_cast<double>(length)) * correlation;
   }
-  return std::sqrt((1 - probability) / (probability * n) * (1 + std::max(gamma, 0.0)));
+  return std::sqrt((1 - probability) / (probability * n) * (1 + std::max(gamma, 0.0)) * shared_);
+}
+
+// Failures on which an estimate may rest: their count alone has a coefficient of variation of 0.3.
+std::int64_t SubsetSimulation::get_least_failures() const {
+  constexpr std::int64_t kLeast = 10;
+  return std::min(kLeast, std::max<std::int64_t>(1, plan_.chains / 2));
+}
+
+// The states within the quantile go on, all of those that are equal to it among them. Where these are so many that the
+// next level would hardly be narrower, those strictly below the quantile go on, if they are enough; if they fail all,
+// nothing lies between them and the failure, and this level is the last.
+SubsetSimulation::Next SubsetSimulation::choose_next(const std::vector<double>& sorted) const {
+  const auto least = static_cast<std::size_t>(get_least_failures()), chains = static_cast<std::size_t>(plan_.chains);
+  const double quantile = sorted[chains - 1];
+  const auto below = static_cast<std::size_t>(std::ranges::lower_bound(sorted, quantile) - sorted.begin()),
+             within = static_cast<std::size_t>(std::ranges::upper_bound(sorted, quantile) - sorted.begin()),
+             failed = static_cast<std::size_t>(std::ranges::lower_bound(sorted, 0.0) - sorted.begin());
+  if (failed >= chains) return {.reached = true};
+  const bool is_all = below == failed && failed >= least;
+  const bool may_go_on = static_cast<int>(levels_.size()) + 1 < plan_.levels;
+  if (!may_go_on) return {.reached = is_all && within > chains};
+  const Next on{.ends = false, .threshold = quantile, .count = within};
+  if (within <= sorted.size() / 2) return on;
+  if (is_all) return {.reached = true};
+  if (below >= least) return {.ends = false, .threshold = std::nextafter(quantile, -HUGE_VAL), .count = below};
+  if (within < sorted.size()) return on;
+  return {.reached = levels_.empty() && failed > 0 && below == failed, .tied = true};
 }
 
 void SubsetSimulation::end_level() {
@@ -124,25 +152,29 @@ void SubsetSimulation::end_level() {
   level.acceptance = static_cast<double>(accepted_) / static_cast<double>(level.last - level.first);
   level.spread = spread_;
   for (const std::size_t i : order) level.margins.push_back(states_[i].margin);
-  const double quantile = level.margins[static_cast<std::size_t>(plan_.chains - 1)];
-  reached_ = quantile < 0;
-  // Equal margins allow no further level.
-  finished_ = reached_ || static_cast<int>(levels_.size()) + 1 == plan_.levels ||
-              (!levels_.empty() && quantile >= levels_.back().threshold);
-  level.threshold = finished_ ? 0 : quantile;
-  const auto count = std::count_if(level.margins.begin(), level.margins.end(),
-                                   [&](double margin) { return finished_ ? margin < 0 : margin <= quantile; });
+  const Next next = choose_next(level.margins);
+  finished_ = next.ends;
+  reached_ = next.reached;
+  tied_ = next.tied;
+  level.threshold = next.threshold;
+  level.failed = std::ranges::lower_bound(level.margins, 0.0) - level.margins.begin();
+  const std::size_t count = finished_ ? static_cast<std::size_t>(level.failed) : next.count;
   level.probability = static_cast<double>(count) / static_cast<double>(states_.size());
-  level.deviation = calc_deviation(quantile, finished_, level.probability);
+  level.deviation = calc_deviation(next.threshold, finished_, level.probability);
   levels_.push_back(std::move(level));
-  if (!finished_) begin_level(order);
+  if (!finished_) begin_level(order, next.count);
 }
 
-void SubsetSimulation::begin_level(const std::vector<std::size_t>& order) {
+// Every state within the threshold is a seed with the same probability: a systematic sample of them in the order of
+// their margins, from a random place. All of them where they are as many as chains.
+void SubsetSimulation::begin_level(const std::vector<std::size_t>& order, std::size_t count) {
+  const auto chains = static_cast<std::size_t>(plan_.chains);
+  const auto place = static_cast<std::size_t>(draw_unit(plan_.seed, RandomStream::kChain, levels_.size(), 0) *
+                                              static_cast<double>(count));
   std::vector<State> seeds;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(plan_.chains); ++i)
-    seeds.push_back(std::move(states_[order[i]]));
+  for (std::size_t i = 0; i < chains; ++i) seeds.push_back(states_[order[(i * count + place) / chains]]);
   states_ = std::move(seeds);
+  shared_ = std::max(1.0, static_cast<double>(chains) / static_cast<double>(count));
   const auto k = static_cast<double>(levels_.size());
   spread_ = levels_.size() == 1
                 ? kFirstSpread
@@ -156,21 +188,30 @@ void SubsetSimulation::begin_level(const std::vector<std::size_t>& order) {
 SubsetEstimate SubsetSimulation::calc_estimate() const {
   SubsetEstimate estimate;
   estimate.reached = reached_;
-  estimate.probability = 1;
-  double square = 0;
+  estimate.tied = tied_;
+  estimate.deviation = kNone;
+  if (!finished_) return estimate;
+  const SubsetLevel& last = levels_.back();
+  const bool alone = levels_.size() == 1;
+  estimate.decided = reached_ || last.failed >= (alone ? 1 : get_least_failures());
+  double product = 1, square = 0;
   for (const SubsetLevel& level : levels_) {
-    estimate.probability *= level.probability;
+    if (&level == &last && !estimate.decided) break;  // the failures are a part of what it was drawn from
+    product *= level.probability;
     square += level.deviation * level.deviation;
   }
-  if (!finished_) estimate.probability = 0;
-  estimate.deviation = estimate.probability > 0 ? std::sqrt(square) : kNone;
-  if (estimate.probability > 0) {
-    constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 0.975
-    const double sigma = std::sqrt(calc_log(1 + square));
-    const double factor = elementary::exp(kQuantile * sigma);
-    estimate.low = estimate.probability / factor;
-    estimate.high = std::min(1.0, estimate.probability * factor);
+  constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 0.975
+  const double factor = elementary::exp(kQuantile * std::sqrt(calc_log(1 + square)));
+  estimate.high = std::min(1.0, product * factor);
+  if (estimate.decided) {
+    estimate.probability = product;
+    estimate.deviation = std::sqrt(square);
+    estimate.low = product / factor;
   }
+  if (!alone) return estimate;
+  const Interval bounds = calc_clopper_pearson(last.failed, last.last - last.first);
+  estimate.low = bounds.low;
+  estimate.high = bounds.high;
   return estimate;
 }
 

@@ -5,8 +5,12 @@
 // Formulae: hil/study/campaign/THEORY.md.
 //
 // Level 0 consists of N independent points. The threshold of a level is the margin that a part p0 of its N states does
-// not exceed. The p0 N states below it are seeds of chains; each chain has 1/p0 states, all below the threshold, and
+// not exceed. The p0 N states within it are seeds of chains; each chain has 1/p0 states, all within the threshold, and
 // all chains together are the N states of the next level. The last level is the one of which p0 N states fail.
+//
+// Many states may have the same margin, that of the threshold. Then those within it are more than p0 N, their part of
+// all is the level's probability, and the seeds are chosen among all of them alike, whatever their margins; or, where
+// that would lead hardly further, the next level is drawn from what lies strictly below, with the part of that.
 //
 // Samples are numbered in the order in which they may be run: first level 0, then for each level, step by step, the
 // candidates of all chains. A candidate depends on the plan and on the margins of the samples before its step, so those
@@ -32,6 +36,7 @@ struct SubsetPlan {
 struct SubsetLevel {
   std::int64_t first = 0, last = 0;  // samples of the level: from, to before
   double threshold = 0;              // margin; 0 for the last level
+  std::int64_t failed = 0;           // its states that fail
   double probability = 0;       // part of its states that is not above the threshold; for the last level: that fails
   double deviation = 0;         // coefficient of variation of this probability, NaN if it is 0
   double acceptance = 1;        // accepted part of its candidates
@@ -42,8 +47,10 @@ struct SubsetLevel {
 struct SubsetEstimate {
   double probability = 0;
   double deviation = 0;      // coefficient of variation, levels taken as independent; NaN if the probability is 0
-  double low = 0, high = 1;  // 95 %: lognormal with that coefficient of variation
-  bool reached = false;      // false: no level had p0 N failures; only an upper bound of the probability is reliable
+  double low = 0, high = 1;  // 95 %: lognormal with that coefficient of variation; of level 0 alone Clopper-Pearson
+  bool reached = false;      // the last level had p0 N failures, or all of it below margins that are equal fails
+  bool decided = false;      // false: too few failures for an estimate, which is 0; `high` is an upper bound
+  bool tied = false;         // so many margins are equal that no level leads further
 };
 
 class SubsetSimulation {
@@ -68,11 +75,19 @@ class SubsetSimulation {
     std::vector<double> u;  // standard normal coordinates
     double margin = 0;
   };
-  [[nodiscard]] bool is_step_complete() const;
   [[nodiscard]] std::int64_t get_step_size() const { return levels_.empty() ? plan_.samples : plan_.chains; }
   void end_step();
   void end_level();
-  void begin_level(const std::vector<std::size_t>& order);
+  // What follows a level.
+  struct Next {
+    bool ends = true, reached = false, tied = false;
+    double threshold = 0;   // of the next level's states: not above it
+    std::size_t count = 0;  // states of this level that are not above it
+  };
+  [[nodiscard]] Next choose_next(const std::vector<double>& sorted) const;
+  // `order`: states from the smallest margin up, the first `count` within the threshold.
+  void begin_level(const std::vector<std::size_t>& order, std::size_t count);
+  [[nodiscard]] std::int64_t get_least_failures() const;
   [[nodiscard]] std::vector<double> draw_normal(std::int64_t sample) const;
   void plan_step();
   [[nodiscard]] double calc_deviation(double threshold, bool fails, double probability) const;
@@ -87,8 +102,9 @@ class SubsetSimulation {
   std::int64_t step_missing_ = 0;  // samples of the step without a result
   std::int64_t accepted_ = 0;      // accepted candidates of this level
   double spread_ = 1;
+  double shared_ = 1;  // chains that begin at the same state, on average
   std::vector<SubsetLevel> levels_;
-  bool finished_ = false, reached_ = false;
+  bool finished_ = false, reached_ = false, tied_ = false;
 };
 
 }  // namespace unlatch::hil

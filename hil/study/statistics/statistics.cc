@@ -94,7 +94,7 @@ double calc_spearman(const std::vector<double>& x_in, const std::vector<double>&
   return x.size() < 3 ? kNaN : calc_correlation(calc_ranks(x), calc_ranks(y));
 }
 
-void RankedVariables::add(const std::vector<double>& x) {
+void RankedVariables::add(const std::vector<double>& x, bool category) {
   std::vector<double> present;
   for (const double value : x)
     if (!std::isnan(value)) present.push_back(value);
@@ -108,6 +108,14 @@ void RankedVariables::add(const std::vector<double>& x) {
   std::size_t next = 0;
   for (const double value : x)
     own.twice.push_back(std::isnan(value) ? kNoRank : static_cast<std::uint32_t>(2 * ranks[next++]));
+  if (!category) return;
+  std::ranges::sort(present);
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  own.group_count = present.size();
+  for (const double value : x)
+    own.groups.push_back(std::isnan(value)
+                             ? kNoGroup
+                             : static_cast<std::size_t>(std::ranges::lower_bound(present, value) - present.begin()));
 }
 
 // Ranks of a part of the samples follow from the ranks of all.
@@ -116,6 +124,10 @@ std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y)
   const std::vector<double> ranks = gaps ? std::vector<double>() : calc_ranks(y);
   std::vector<double> all, own;
   for (const Ranks& variable : variables_) {
+    if (variable.group_count > 0) {
+      all.push_back(kNaN);
+      continue;
+    }
     own.clear();
     for (const std::uint32_t twice : variable.twice) own.push_back(twice == kNoRank ? kNaN : 0.5 * twice);
     all.push_back(gaps || variable.gaps ? hil::calc_spearman(own, y) : calc_correlation(own, ranks));
@@ -195,7 +207,16 @@ FirstOrder calc_first_order(const std::vector<std::vector<Moments>>& parts, Even
   const double half = kStudent19 * std::sqrt(square * (n - 1) / n);
   if (std::isnan(index) || std::isnan(half)) return {index, {kNaN, kNaN}};
   const double high = index + half + (evenness == Evenness::kEven ? allowance : 0);
-  return {index, {std::clamp(index - half, 0.0, 1.0), std::clamp(high, 0.0, 1.0)}};
+  return {std::clamp(index, 0.0, 1.0), {std::clamp(index - half, 0.0, 1.0), std::clamp(high, 0.0, 1.0)}};
+}
+
+// The same with the mean of each group.
+FirstOrder calc_group_order(const std::vector<std::size_t>& groups, std::size_t count, const std::vector<double>& y,
+                            double mean, Evenness evenness) {
+  std::vector<std::vector<Moments>> parts(kParts, std::vector<Moments>(count));
+  for (std::size_t i = 0; i < y.size(); ++i)
+    if (!std::isnan(y[i]) && groups[i] < count) parts[i % kParts][groups[i]].add(make_moments(0, y[i] - mean), 1);
+  return calc_first_order(parts, evenness);
 }
 
 }  // namespace
@@ -219,6 +240,12 @@ FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y, Eve
   const double chance = calc_beta_quantile(0.5 * (numbers - 1), 0.5 * (n - numbers), kConfidence);
   out.significant = 1 - (1 - chance) * (n - 1) / (n - numbers);
   for (const Ranks& variable : variables_) {
+    if (variable.group_count > 0) {
+      out.of_inputs.push_back(variable.group_count > 2 * out.bins
+                                  ? FirstOrder{kNaN, {kNaN, kNaN}}
+                                  : calc_group_order(variable.groups, variable.group_count, y, mean, evenness));
+      continue;
+    }
     std::vector<std::vector<Moments>> parts(kParts, std::vector<Moments>(out.bins));
     const auto count = static_cast<double>(variable.twice.size());
     for (std::size_t i = 0; i < y.size(); ++i) {
@@ -316,7 +343,16 @@ std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const s
   }
   std::vector<SobolIndex> indices;
   for (std::size_t axis = 0; axis < axes; ++axis) indices.push_back({all.calc_first(axis), all.calc_total(axis)});
-  if (n < kLeastSobolRows) return indices;
+  const auto cut = [](std::vector<SobolIndex>& list) {
+    for (SobolIndex& index : list) {  // NaN stays
+      index.first = std::clamp(index.first, 0.0, 1.0);
+      index.total = std::clamp(index.total, 0.0, 1.0);
+    }
+  };
+  if (n < kLeastSobolRows) {
+    cut(indices);
+    return indices;
+  }
   std::vector<std::vector<double>> firsts(axes), totals(axes), firsts_without(axes), totals_without(axes);
   const auto keep = [axes](const RowSums& sums, auto& first, auto& total) {
     for (std::size_t axis = 0; axis < axes; ++axis) {
@@ -342,6 +378,7 @@ std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const s
     index.first_interval = calc_index_interval(index.first, std::move(firsts[axis]), firsts_without[axis], false);
     index.total_interval = calc_index_interval(index.total, std::move(totals[axis]), totals_without[axis], true);
   }
+  cut(indices);
   return indices;
 }
 

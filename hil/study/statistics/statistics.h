@@ -38,7 +38,7 @@ double calc_spearman(const std::vector<double>& x, const std::vector<double>& y)
 // this input explains, whatever the dependence is, even or odd. The sum over independent inputs is 1 where they do not
 // interact.
 struct FirstOrder {
-  double index = 0;   // NaN: too few values, or one of both is constant
+  double index = 0;   // within 0 … 1; NaN: too few values, or one of both is constant
   Interval interval;  // 95 %
 };
 // Samples that are more even than chance (a Sobol' sequence) leave less of the other inputs in the means of the bins
@@ -55,7 +55,9 @@ struct FirstOrders {
 // The same of one variable with each of several.
 class RankedVariables {
  public:
-  void add(const std::vector<double>& x);
+  // `category`: the values are numbers of things in no order, so that there is no rank correlation; each value is a bin
+  // of its own, as long as there are not more than 2 bins.
+  void add(const std::vector<double>& x, bool category = false);
   [[nodiscard]] std::vector<double> calc_spearman(const std::vector<double>& y) const;
   // The values are sorted into √N/3 bins (3 to 33) of equal numbers by their ranks; equal values share a bin. Each bin
   // has a straight line of least squares, all of them p = 2 bins numbers; of one value of x the mean alone.
@@ -70,8 +72,11 @@ class RankedVariables {
     std::vector<std::uint32_t> twice;  // each rank, which is then whole; kNoRank of a NaN
     std::vector<double> centred;       // the values less their mean
     bool gaps = false;
+    std::vector<std::size_t> groups{};  // of a category: the bin of each sample, kNoGroup of a NaN
+    std::size_t group_count = 0;        // 0: no category
   };
   static constexpr std::uint32_t kNoRank = 0xffffffff;
+  static constexpr std::size_t kNoGroup = static_cast<std::size_t>(-1);
   std::vector<Ranks> variables_;
 };
 
@@ -85,7 +90,7 @@ MorrisEffect calc_morris(const std::vector<double>& effects);
 // Indices of one axis from outputs at A, B and A with the axis of B: Saltelli 2010 (first order), Jansen 1999 (total).
 // All axes at once: they share the resampled rows. The interval has both that of 1,000 resamples of the rows (Philox),
 // percentiles, and that of the jackknife over the rows with Student's t: each alone is too narrow at one end where an
-// index is skewed; a total's is that of its logarithm upwards. It is cut to 0 … 1, where indices are. Below
+// index is skewed; a total's is that of its logarithm upwards. Both are cut to 0 … 1, where indices are. Below
 // kLeastSobolRows no method of these covers as it says.
 inline constexpr std::size_t kLeastSobolRows = 100;
 struct SobolIndex {

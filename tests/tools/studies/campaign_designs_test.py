@@ -162,6 +162,95 @@ class CampaignDesignsTest(ProcessTest):
             self.assertTrue(v["interval"][1] == 1 or v["interval"][1] > 0.999, v)
 
     # A requirement at an event that comes in part of the samples: the others have no value, and may not keep to a limit.
+    # Two outcomes: too fast in four of a hundred samples, which is 0.04 for any seed and not the part of a next level.
+    def test_rare_failures_of_a_discrete_outcome_have_the_probability_of_the_outcome(self):
+        held = 0
+        for seed in range(1, 11):
+            rest = (f"sampling: subset\nsamples: 500\nseed: {seed}\nsubset: {{of: fast}}\n"
+                    "parameters:\n  v: {path: constants.v, discrete: {values: [1 m/s, 5 m/s], weights: [0.96, 0.04]}}\n")
+            rare = self.fly(rest, f"two{seed}", code=0)[0]["rare"]
+            self.assertEqual((rare["decided"], rare["probability"]), (True, rare["failed_samples"] / 500))
+            self.assertEqual((rare["reached"], len(rare["levels_run"])), (True, 1))
+            held += rare["interval"][0] <= 0.04 <= rare["interval"][1]
+        self.assertGreaterEqual(held, 8)
+
+    def test_rare_failures_that_equal_margins_hide_are_undecided(self):
+        rest = ("sampling: subset\nsamples: 200\nsubset: {of: fast, at_most: 0.5}\n"
+                "parameters:\n  v: {path: constants.v, discrete: {values: [1 m/s, 5 m/s], weights: [0.999999, 0.000001]}}\n")
+        summary, said, table = self.fly(rest, "hidden")
+        rare = summary["rare"]
+        self.assertEqual((len(table), rare["decided"], rare["tied"], rare["met"], rare["probability"]), (200, False, True, False, None))
+        self.assertAlmostEqual(rare["interval"][1], 1 - 0.025 ** (1 / 200), delta=1e-9)
+        self.assertIn("undecided: probability at most 1.83e-02 (95 %)", said)
+        self.assertIn("no estimate", self.run_ok(UNLATCH, "campaign", "--help").stdout.replace("\n", " "))
+
+    def test_a_catalogue_has_no_rank_and_an_index_by_its_entries(self):
+        # Speeds that go up and down along the catalogue explain all of the variance but that of w.
+        rows = ", ".join(f"[{v} m/s, 1000 kg]" for v in (0.1, 2, 0.3, 1.9, 0.2))
+        rest = (f"samples: 500\nparameters:\n  v: {{path: [constants.v, bodies.base.mass], shared: true, discrete: {{rows: [{rows}]}}}}\n"
+                "  w: {path: constants.w, uniform: {min: 0 m/s, max: 1 m/s}}\n")
+        sensitivity = next(c for c in self.fly(rest, "rows", code=None)[0]["columns"] if c["name"] == "fast")["sensitivity"]
+        self.assertEqual(sensitivity["spearman"][0], None)
+        variance = statistics.pvariance([0.1, 2, 0.3, 1.9, 0.2])
+        self.assertAlmostEqual(sensitivity["first_order"][0]["index"], variance / (variance + 1 / 12), delta=0.03)
+        low, high = sensitivity["first_order"][0]["interval"]
+        self.assertTrue(low <= sensitivity["first_order"][0]["index"] <= high)
+
+    def test_an_index_lies_within_its_interval(self):
+        for sampling, samples in (("random", 60), ("sobol", 64), ("saltelli", 480)):
+            for seed in 1, 2, 3:
+                rest = (f"sampling: {sampling}\nsamples: {samples}\nseed: {seed}\n{UNIFORM}"
+                        "  m: {path: bodies.ball.mass, uniform: {min: 1 kg, max: 2 kg}}\n").replace("480", "500")
+                found = next(c for c in self.fly(rest, f"{sampling}{seed}", code=None)[0]["columns"] if c["name"] == "fast")["sensitivity"]
+                pairs = [(one["index"], one["interval"]) for one in found.get("first_order", [])]
+                for one in found.get("sobol", []):
+                    pairs += [(one["first"], one["first_interval"]), (one["total"], one["total_interval"])]
+                for index, interval in pairs:
+                    self.assertTrue(interval[0] <= index <= interval[1], (sampling, index, interval))
+
+    def test_components_of_a_direction_are_said_to_overlap(self):
+        # What the ball's own direction makes of its speed along x is told by each of the three components.
+        tilted = BALL.replace("velocity: [v + w, 0, 0]", "velocity: [v, 0, 0]").replace("constants: {v: 1 m/s, w: 1 m/s}", "constants: {v: 1 m/s}")
+        tilted = tilted.replace("bodies:", "elements: {push: {type: force, body: ball, direction: [1, 0, 0], profile: 100 N}}\nbodies:")
+        tilted = tilted.replace("relative_to: base}", "relative_to: base, along: [1, 0, 0]}")
+        summary, said, _ = self.fly("samples: 200\nparameters: {axis: {path: elements.push.direction, cone: {within: 60 deg}}}\n", "cone", code=None, scenario=tilted)
+        self.assertTrue(summary["directions"])
+        self.assertIn("the components of a direction depend on one another", said)
+
+    def test_text_columns_of_a_table_are_for_readers_unless_a_parameter_reads_them(self):
+        table = 'v,note,w\n1,"first, a good one",2\n2,second,1\n'
+        for text, code in ((table, 0), (table.replace("v,note,w", "note,v,w"), 2)):
+            (self.folder / "t.csv").write_text(text)
+            path = self.write("sampling: csv\ntable: t.csv\nparameters: {v: {path: constants.v}, w: {path: constants.w}}\n")
+            done = self.run_ok(UNLATCH, "check", path, code=code)
+            self.assertIn("no parameter reads: 'note'" if code == 0 else "line 2: 'first, a good one' is not a number", done.stdout + done.stderr)
+
+    def test_what_a_design_says_in_words(self):
+        path = self.write(f"samples: 500\n{UNIFORM}")
+        done = self.run_ok(UNLATCH, "campaign", path, "--out", self.folder / "far", "--samples", "490:600", code=2)
+        self.assertIn("490:600 goes beyond the campaign, which has 500 samples", done.stderr)
+        for sampling, samples, words in (("morris", 90, "by 30 blocks"), ("saltelli", 400, "by 100 blocks")):
+            _, said, _ = self.fly(f"sampling: {sampling}\nsamples: {samples}\n{UNIFORM}", sampling, code=None)
+            self.assertIn(words, said)
+        self.assertIn("## Inputs, as chosen", (self.folder / "morris/review.md").read_text())
+        self.assertIn("## Inputs, as drawn", (self.folder / "saltelli/review.md").read_text())
+        # The mass changes no speed: its part of the variance is 0, not what rounding leaves.
+        rest = f"sampling: grid\nlevels: 5\n{UNIFORM}  m: {{path: bodies.ball.mass, uniform: {{min: 1 kg, max: 2 kg}}}}\n"
+        effects = next(c for c in self.fly(rest, "grid", code=None)[0]["columns"] if c["name"] == "fast")["sensitivity"]["grid_effects"]
+        self.assertEqual(effects[2], 0)
+
+    # Every second sample turns so fast that its first step fails, before its event.
+    def test_faulted_samples_are_counted_apart_and_have_no_order_of_events(self):
+        turning = BALL.replace("inertia: [1, 1, 1], velocity", "inertia: [1, 2, 3], rate: [0, 0, 0], velocity")
+        turning += "events: [{name: come, when: {time: 0.01 s}}]\n"
+        summary, said, table = self.fly("samples: 40\nparameters: {r: {path: 'bodies.ball.rate[0]', discrete: {values: [0, 1e200]}}}\n", "turning", scenario=turning)
+        faulted = sum(row["status"] == "faulted" for row in table)
+        self.assertTrue(5 < faulted < 35, faulted)
+        one = summary["requirements"][0]
+        self.assertEqual((one["faulted"], one["not_evaluated"], one["failed"]), (faulted, 0, faulted))
+        self.assertEqual((summary["orders"]["count"], summary["orders"]["left_out"]), (1, faulted))
+        self.assertRegex(said, rf"(?m)^  fast +{faulted} +{faulted} +0 ")
+
     def test_samples_without_a_value_leave_no_tolerance_limit_for_all_runs(self):
         late = BALL.replace("{v: 1 m/s,", "{d: 0.01 s, v: 1 m/s,") + "events: [{name: far, when: {time: d}}]\n"
         late = late.replace("relative_to: base}, at_most: 4", "relative_to: base}, at: far, at_most: 6")

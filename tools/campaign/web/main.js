@@ -12,8 +12,9 @@ function showRare(rare) {
   const failure = `${rare.column} ${rare.above ? 'above' : 'below'} ${show(rare.limit)} ${rare.unit}`;
   const result = !rare.finished ? 'The campaign has not ended.'
     : rare.unresolved_samples > 0 ? `at most ${rare.interval[1].toExponential(2)} (95 %), without an estimate: ${rare.unresolved_samples} unresolved samples are taken for failures`
+    : !rare.decided ? `undecided: at most ${rare.interval[1].toExponential(2)} (95 %), without an estimate: ${rare.levels_run.at(-1).failed} of the last level fail${rare.tied ? ', and so many of the others have the same margin that no level leads further' : ''}`
     : `${rare.probability.toExponential(2)}, 95 %: ${rare.interval[0].toExponential(2)} … ${rare.interval[1].toExponential(2)}, coefficient of variation ${show(rare.deviation, 2)}` +
-      (rare.reached ? '' : '; the last level had too few failures: more levels, or a probability that is smaller still') + (rare.at_most < 1 ? `; allowed are ${rare.at_most.toExponential(2)}` : '');
+      (rare.reached ? '' : rare.tied ? '; few samples fail, and no level leads further: more samples' : '; the last level had too few failures: more levels, or a probability that is smaller still') + (rare.at_most < 1 ? `; allowed are ${rare.at_most.toExponential(2)}` : '');
   byId('rare-result').replaceChildren(`P(${failure}): `, make('b', result, { class: rare.met ? 'good' : 'bad' }), ` (${summary.samples} runs, ${rare.failed_samples} of them failed)`);
   fill('rare-levels', ['level', 'samples', withUnit('margin', rare.unit), 'probability', 'c.o.v.', 'accepted'], rare.levels_run.map((level, k) => [
     k, `${level.first} to ${level.last - 1}`, show(level.threshold), show(level.probability, 4), show(level.deviation, 3), k === 0 ? '' : show(level.acceptance, 2)]));
@@ -53,12 +54,12 @@ else {
   const any = summary.any_requirement;
   const rows = summary.requirements.map((r) => [
     Object.assign(make('span', r.id), { title: r.text }), `${limitsOf(r)} ${unitOf(r)}`,
-    countFailed(r), countBad(r.unresolved), countBad(r.not_evaluated), boundsOf(r.probability), valueOf(r, r.min), valueOf(r, r.max),
+    countFailed(r), countBad(r.unresolved), countBad(r.faulted), countBad(r.not_evaluated), boundsOf(r.probability), valueOf(r, r.min), valueOf(r, r.max),
     ...['0.01', '0.05', '0.5', '0.95', '0.99'].map((p) => valueOf(r, r.quantiles[p])), toleranceOf(r)]);
-  if (any && rows.length > 1) rows.push(['any requirement', '', countFailed(any), countBad(any.unresolved), '', boundsOf(any.probability), '', '', '', '', '', '', '', '']);
+  if (any && rows.length > 1) rows.push(['any requirement', '', countFailed(any), countBad(any.unresolved), '', '', boundsOf(any.probability), '', '', '', '', '', '', '', '']);
   byId('basis').textContent = [summary.basis.text && `Sampling ${summary.basis.sampling}: ${summary.basis.text}.`,
     ...summary.requirements.filter((r) => r.without_blow).map((r) => `The values of ${r.id} in ${r.without_blow} ${r.without_blow === 1 ? 'sample is' : 'samples are'} without the impulse of a blow through the joint.`)].filter(Boolean).join(' ');
-  fill('verdict', ['requirement', 'limit', 'failed', 'unresolved', 'missing', 'probability, 95 %', 'least', 'greatest', '1 %', '5 %', 'median', '95 %', '99 %', 'tolerance, 99 % / 95 %'], rows);
+  fill('verdict', ['requirement', 'limit', 'failed', 'unresolved', 'faulted', 'missing', 'probability, 95 %', 'least', 'greatest', '1 %', '5 %', 'median', '95 %', '99 %', 'tolerance, 99 % / 95 %'], rows);
 }
 fill('orders', ['order of events', 'samples', 'first'], summary.orders.classes.slice(0, 8).map((c) => [c.order || 'no event', c.samples, c.first]));
 if (summary.orders.count > 8) byId('orders').append(make('p', `${summary.orders.count} different orders in all`, { class: 'dim' }));

@@ -47,8 +47,11 @@ std::pair<std::int64_t, std::int64_t> read_range(const std::string& text, std::i
     if (part.empty()) return fallback;
     char* end = nullptr;
     const long long value = std::strtoll(part.c_str(), &end, 10);
-    if (*end != 0 || value < 0 || value > count)
-      refuse_option("--samples", "'" + part + "' is no sample: 0 to " + std::to_string(count));
+    if (*end != 0 || value < 0)
+      refuse_option("--samples", "'" + part + "' is no number of a sample: write A:B, from A to before B");
+    if (value > count)
+      refuse_option("--samples", text + " goes beyond the campaign, which has " + hil::count(count, "sample") +
+                                     ": write 0:" + std::to_string(count) + " or a part of it");
     return static_cast<std::int64_t>(value);
   };
   if (colon == std::string::npos)
@@ -262,7 +265,9 @@ constexpr const char* kSummary =
     "Runs many samples of a scenario with dispersed values: results, probabilities of failure, sensitivities. ";
 constexpr const char* kPromise =
     "The same table to the last bit for any number of jobs, in any order, resumed or not, on one machine or several. "
-    "Exit code 1: a sample faulted or failed a requirement.";
+    "Exit code 1: a sample faulted, failed a requirement or is unresolved; with `sampling: subset` instead: the upper "
+    "end "
+    "of the interval of the probability is above `at_most`, or there is no estimate.";
 
 // Options that do not depend on the program.
 void add_options(Command command, CampaignOptions& options) {
