@@ -49,11 +49,12 @@ Json build_summary(const CampaignData& all) {
                       {"text", hil::describe_basis(sampling)}};
   // Parts of a variance by correlated inputs overlap; those of a table may be correlated.
   summary["correlated"] = data.manifest.value("correlated", false) || sampling == hil::Sampling::kCsv;
-  const Json blows = count_blows(data);
+  const Json blows = count_blows(data), uncertain = count_uncertain(data);
   for (const Json& requirement : data.manifest.at("requirements")) {
     Json described = describe_requirement(data, population, requirement);
     const std::string id = requirement.at("id");
     if (blows.contains(id)) described["without_blow"] = blows.at(id);
+    if (uncertain.contains(id)) described["uncertain"] = uncertain.at(id);
     summary["requirements"].push_back(std::move(described));
   }
   if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data, population);
