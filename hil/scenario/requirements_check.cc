@@ -1,6 +1,7 @@
 #include "hil/scenario/requirements_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "hil/scenario/base/index.h"
@@ -73,6 +74,15 @@ bool is_size(const Requirement& requirement, const Model& model) {
   }
 }
 
+// The pusher, stop or cord whose force, with its sign, a requirement is on; null: none.
+const OneSided* find_signed_force(const Requirement& requirement, const Model& model) {
+  if (requirement.quantity != Measure::kQuantity || requirement.take == Requirement::Take::kPeak) return nullptr;
+  const unlatch::Quantity& quantity = model.quantities[at(requirement.a)];
+  if (quantity.kind != unlatch::Quantity::Kind::kForce) return nullptr;
+  const int number = quantity.subject - get_first_one_sided(model);
+  return number >= 0 && at(number) < model.one_sided.size() ? &model.one_sided[at(number)] : nullptr;
+}
+
 }  // namespace
 
 std::vector<RequirementProblem> find_trivial(const Scenario& scenario) {
@@ -87,6 +97,15 @@ std::vector<RequirementProblem> find_trivial(const Scenario& scenario) {
                        greatest == kPi ? "holds in every run: the angle between two axes is from 0 to pi"
                                        : "holds in every run: the value is never below 0",
                        "give a limit that a run can miss"});
+    const OneSided* const force = find_signed_force(requirement, scenario.model);
+    const bool never_above = force != nullptr && force->pulls && requirement.most >= 0 && std::isinf(requirement.least);
+    const bool never_below =
+        force != nullptr && !force->pulls && requirement.least <= 0 && std::isinf(requirement.most);
+    if (never_above || never_below)
+      found.push_back({i,
+                       "holds in every run: the force of '" + force->name + "' has the sign of what it does to its " +
+                           "coordinate, and is never " + (never_above ? "above" : "below") + " 0",
+                       "give `take: peak` for its size, or a limit that a run can miss"});
   }
   return found;
 }

@@ -18,7 +18,7 @@ struct RequirementProblem {
 std::vector<RequirementProblem> find_problems(const Scenario& scenario);
 
 // Finds limits that every run meets: a lower limit of 0 or less for sizes, absolute values and times, an upper limit of
-// pi for angles between axes.
+// pi for angles between axes, a limit of the other sign for the force of a pusher, stop or cord.
 std::vector<RequirementProblem> find_trivial(const Scenario& scenario);
 
 }  // namespace unlatch::hil

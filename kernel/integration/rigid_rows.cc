@@ -318,7 +318,7 @@ int solve_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep,
     if (contact.friction > 0)
       keep_friction(plan, r, ev);
     else
-      add_impulse_rate(contact, s.forces[at(r)], 0, 0, ev);
+      add_impulse_rate(contact, s.forces[at(r)], row.slip, 0, ev);
   }
   constexpr double kPart = 1e-8, kLeast = 1e-11;  // of accelerations that is rounding; m/s²
   const int leaves = find_contradiction(has_slip_rows(ev) ? get_holding_rows(ev) : set, kPart * largest + kLeast, ev);

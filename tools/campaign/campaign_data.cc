@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 using Kind = hil::ResultColumn::Kind;
 
 const char* get_kind_name(Kind kind) {
-  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance",  "clearance_time",
-                                       "released",    "tip_off", "separation", "peak",       "contact",
-                                       "output",      "curve",   "step",       "step_error", "without_blow"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kWithoutBlow) + 1);
+  static const char* const kNames[] = {
+      "requirement", "margin",  "event",  "clearance", "clearance_time", "released",   "tip_off",      "separation",
+      "peak",        "contact", "output", "curve",     "step",           "step_error", "without_blow", "uncertainty"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kUncertainty) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 

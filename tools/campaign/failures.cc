@@ -147,6 +147,18 @@ Json count_blows(const CampaignData& data) {
   return counts;
 }
 
+Json count_uncertain(const CampaignData& data) {
+  Json counts = Json::object();
+  const Json& columns = data.manifest.at("columns");
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    if (columns[column].at("kind") != "uncertainty") continue;
+    const std::vector<double> sorted = sort_present(data.read_results(column));
+    const std::string name = columns[column].at("name");
+    if (!sorted.empty()) counts[name.substr(0, name.rfind('.'))] = {{"samples", sorted.size()}, {"by", sorted.back()}};
+  }
+  return counts;
+}
+
 Json describe_requirement(const CampaignData& data, const std::optional<CampaignData>& population,
                           const Json& requirement) {
   const std::string id = requirement.at("id");

@@ -17,6 +17,8 @@ Json describe_any_failure(const CampaignData& data, const std::optional<Campaign
 // How many of the samples have values of requirements on reactions that leave out the impulse of a blow: by the
 // requirements' names; those without such a sample are left out.
 Json count_blows(const CampaignData& data);
+// Likewise those whose values may be off between steps by more than a thousandth: {samples, by}, by how much at most.
+Json count_uncertain(const CampaignData& data);
 // Numbers of the unresolved samples.
 Json list_unresolved(const CampaignData& data);
 // Numbers of the worst samples: faults first, then by the smallest margin of all that a sample may fail, in units of

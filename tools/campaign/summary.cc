@@ -53,11 +53,12 @@ Json build_summary(const CampaignData& all) {
   // The three components of a direction have its two numbers.
   summary["directions"] = std::ranges::any_of(data.manifest.at("parameters"),
                                               [](const Json& parameter) { return parameter.at("numbers") != 1; });
-  const Json blows = count_blows(data);
+  const Json blows = count_blows(data), uncertain = count_uncertain(data);
   for (const Json& requirement : data.manifest.at("requirements")) {
     Json described = describe_requirement(data, population, requirement);
     const std::string id = requirement.at("id");
     if (blows.contains(id)) described["without_blow"] = blows.at(id);
+    if (uncertain.contains(id)) described["uncertain"] = uncertain.at(id);
     summary["requirements"].push_back(std::move(described));
   }
   if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data, population);

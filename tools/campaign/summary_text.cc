@@ -303,6 +303,18 @@ void print_summary(std::FILE* to, const Json& summary) {
                            " are without the impulse of a blow through the joint")
                      .c_str());
   }
+  for (const Json& requirement : summary.at("requirements")) {
+    if (!requirement.contains("uncertain")) continue;
+    const Json& uncertain = requirement.at("uncertain");
+    const std::string unit = requirement.value("unit", "");
+    std::fprintf(to, "  %s\n",
+                 paint(to, Colour::kYellow,
+                       "note: " + requirement.at("id").get<std::string>() + ": " +
+                           count(uncertain.at("samples").get<long long>(), "sample") + " known to ± " +
+                           describe_number(uncertain.at("by"), "%.2g") + (unit.empty() ? "" : " " + unit) +
+                           " at worst, between steps")
+                     .c_str());
+  }
   if (summary.contains("any_requirement")) {
     const Json &any = summary.at("any_requirement"), &p = any.at("probability");
     std::fprintf(to, "  any requirement: %lld failed, %lld unresolved", any.at("failed").get<long long>(),

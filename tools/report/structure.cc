@@ -69,6 +69,8 @@ Json build_joints(const hil::Scenario& scenario, const hil::RunAnalysis& analysi
     for (std::size_t row = 0; row < kRows; ++row) {
       const hil::PeakReaction peak = analysis.get_peak(i, row);
       peaks.push_back({{"value", peak.value}, {"t", peak.time}});
+      if (peak.is_uncertain()) peaks.back()["uncertainty"] = peak.uncertainty;
+      if (peak.at_ticks) peaks.back()["at_ticks"] = true;
     }
     list.push_back({{"name", joint.name},
                     {"base", joint.base},

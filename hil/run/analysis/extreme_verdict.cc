@@ -19,7 +19,7 @@ struct Range {
 
 // What the value may be. `is_low`: it is the smallest one, or the negative of that.
 Range find_range(const Requirement& requirement, const FoundExtremes& found, bool is_low) {
-  const ExtremeBounds::Bound &low = found.bounds.get_low(), &high = found.bounds.get_high();
+  const ExtremeBounds::Bound &low = found.least, &high = found.most;
   const Range least = {from_smooth(found.part, low.least), from_smooth(found.part, low.most)};
   const Range most = {from_smooth(found.part, -high.most), from_smooth(found.part, -high.least)};
   if (requirement.take == Take::kPeak) return {std::max(-least.high, most.low), std::max(-least.low, most.high)};
@@ -38,12 +38,16 @@ double calc_sufficient_part(double error, double size, double allowed) {
 }  // namespace
 
 void judge_extreme(const Requirement& requirement, const FoundExtremes& found, double dt, Verdict& verdict) {
-  if (!std::isfinite(found.bounds.get_low().most)) return;
+  if (!std::isfinite(found.least.most) && !std::isfinite(found.most.most)) return;
   const bool is_low = requirement.take == Take::kMinimum ||
                       (requirement.take == Take::kPeak ? verdict.value == -found.low
                                                        : requirement.take == Take::kBoth && verdict.value == found.low);
   const Range range = find_range(requirement, found, is_low);
+  const ExtremeBounds::Bound& own = is_low ? found.least : found.most;
   verdict.uncertainty = std::max({0.0, verdict.value - range.low, range.high - verdict.value});
+  const auto is_at_ticks = [](const ExtremeBounds::Bound& bound) { return bound.unsearched < bound.value; };
+  verdict.at_ticks =
+      requirement.take == Take::kPeak ? is_at_ticks(found.least) || is_at_ticks(found.most) : is_at_ticks(own);
   const double size = std::max(std::abs(verdict.value), kLimitPart * std::abs(verdict.limit));
   const double low = std::min(verdict.value, range.low), high = std::max(verdict.value, range.high);
   const auto is_within = [&](double limit) { return low < limit && limit < high; };
@@ -52,7 +56,7 @@ void judge_extreme(const Requirement& requirement, const FoundExtremes& found, d
   const double known = kKnown * size;
   if (!may_differ && verdict.uncertainty <= known) return;
   const double allowed = may_differ ? std::min(known, std::abs(verdict.margin)) : known;
-  const double time = is_low ? found.bounds.get_low().time : found.bounds.get_high().time;
+  const double time = own.time;
   const double step = kRoundedDown * dt * calc_sufficient_part(verdict.uncertainty, size, allowed);
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
   verdict.unresolved =

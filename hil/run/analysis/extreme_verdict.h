@@ -12,8 +12,8 @@ inline constexpr double kKnown = 0.01, kLimitPart = 0.1;
 // The smallest and the greatest value that were found, and their bounds.
 struct FoundExtremes {
   double low = 0, high = 0;
-  const ExtremeBounds& bounds;
-  SmoothPart part;  // that the bounds are of
+  const ExtremeBounds::Bound &least, &most;  // of the negative
+  SmoothPart part;                           // that the bounds are of
 };
 
 // Sets the verdict's uncertainty. The verdict is unresolved if that is more than kKnown allows, or if the limit is

@@ -8,6 +8,7 @@
 #include "hil/run/extremes/straight_quantity.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch::hil {
@@ -33,6 +34,12 @@ bool is_of_motion(const Requirement& r) {
   using Value = Requirement::ContactValue;
   const auto value = static_cast<Value>(r.axis);
   return r.quantity == Measure::kContact && (value == Value::kForce || value == Value::kDepth);
+}
+
+// True for quantities that are known at knots alone.
+bool is_sampled(const Requirement& r) {
+  return r.quantity == Measure::kReaction || r.quantity == Measure::kSensor || r.quantity == Measure::kQuantity ||
+         (r.quantity == Measure::kContact && !is_of_motion(r));
 }
 
 // What of a quantity that is known at knots alone has no corner.
@@ -68,6 +75,21 @@ int find_reaction(const Model& model, const Requirement& r) {
   if (r.quantity == Measure::kReaction) return r.a;
   const std::optional<unlatch::Quantity> of = find_quantity(model, r);
   return of && get_traits(of->kind).of_reaction ? of->subject : kNone;
+}
+
+// True of reactions, forces and accelerations, and of expressions that read some.
+bool may_jump(const Model& model, const Requirement& r) {
+  const auto is_force = [](const unlatch::Quantity& quantity) {
+    return get_traits(quantity.kind).motion == QuantityMotion::kForces;
+  };
+  if (const unlatch::Quantity* const law = find_law(model, r)) {
+    for (const int own : list_laws_behind(model, law->subject))
+      for (const LawStep& step : model.laws[at(own)].steps)
+        if (step.kind == LawStep::Kind::kQuantity && is_force(model.quantities[at(step.subject)])) return true;
+    return false;
+  }
+  const std::optional<unlatch::Quantity> of = find_quantity(model, r);
+  return r.quantity == Measure::kReaction || (of && is_force(*of));
 }
 
 bool goes_straight(const Model& model, const Requirement& r) {
@@ -109,11 +131,17 @@ void set_margin(const Requirement& requirement, double value, double time, Verdi
 
 }  // namespace
 
+bool is_bounded(const Model& model, const Requirement& requirement) {
+  return !requirement.is_of_events() && is_sampled(requirement) && !requirement.received &&
+         !goes_straight(model, requirement) && !requirement.at.is_named() && requirement.take != Take::kFinal;
+}
+
 // --- The quantities -------------------------------------------------------------------------------------------------
 
-RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& plan, const ClearanceHistory& clearances,
-                                       const ContactHistory& contacts)
+RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulation& simulation,
+                                       const ClearanceHistory& clearances, const ContactHistory& contacts)
     : scenario_(scenario),
+      simulation_(simulation),
       clearances_(clearances),
       contacts_(contacts),
       times_(scenario.model.events.size(), std::nan("")) {
@@ -129,7 +157,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& pla
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
     if (const unlatch::Quantity* const own = find_law(scenario.model, requirement))
-      track.law.emplace(scenario.model, plan, own->subject);
+      track.law.emplace(scenario.model, simulation.plan(), own->subject);
     if (quantity == Measure::kSensor && received_.empty())
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
@@ -137,15 +165,12 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Plan& pla
     track.part = find_smooth_part(scenario.model, requirement);
     track.straight = goes_straight(scenario.model, requirement);
     track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
+    track.jumps = may_jump(scenario.model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
+    track.bounded = is_bounded(scenario.model, requirement);
+    if (!finer_ && track.bounded) finer_ = std::make_unique<FinerSteps>(simulation);
     tracks_.push_back(std::move(track));
   }
-}
-
-bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
-  return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor ||
-         requirement.quantity == Measure::kQuantity ||
-         (requirement.quantity == Measure::kContact && !is_of_motion(requirement));
 }
 
 double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
@@ -167,9 +192,31 @@ double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& kno
   return std::sqrt(sum);
 }
 
-void RequirementMonitor::add_to_curve(Track& track, double time, double value, bool begins) {
-  track.curve.add(time, to_smooth(track.part, value), begins);
-  if (track.phase == Phase::kOpen) track.bounds.add(time, to_smooth(track.part, value), begins);
+void RequirementMonitor::begin_step(const StepReport& report) {
+  if (finer_) finer_->add(report);
+}
+
+// Values of a requirement in steps that are taken again.
+class RequirementMonitor::FinerOfTrack final : public FinerValues {
+ public:
+  FinerOfTrack(const RequirementMonitor& monitor, const Track& track) : monitor_(monitor), track_(track) {}
+  std::span<const ValueKnot> list(double from, double to) override {
+    values_.clear();
+    for (const std::unique_ptr<FinerKnot>& own : monitor_.finer_->take(from, to).knots)
+      values_.push_back({own->knot.time, to_smooth(track_.part, monitor_.calc_sample(track_, own->knot)), own->begins});
+    return values_;
+  }
+
+ private:
+  const RequirementMonitor& monitor_;
+  const Track& track_;
+  std::vector<ValueKnot> values_;
+};
+
+void RequirementMonitor::add_to_bounds(Track& track, double time, double value, bool begins) const {
+  if (track.phase != Phase::kOpen || !track.bounded) return;
+  FinerOfTrack finer(*this, track);
+  track.bounds.add({time, to_smooth(track.part, value), begins}, &finer);
 }
 
 template <class BodyAt>
@@ -207,10 +254,6 @@ double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) c
 double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
   const Requirement& r = *track.requirement;
   if (r.received) return track.last;
-  if (is_sampled(r)) {
-    const double value = track.curve.calc(time);
-    return from_smooth(track.part, value);
-  }
   if (is_of_motion(r)) {
     const ContactReading reading = contacts_.calc(window, r.a, time);
     return static_cast<Requirement::ContactValue>(r.axis) == Requirement::ContactValue::kForce ? reading.normal
@@ -253,7 +296,7 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
       track.has_last = true;
       track.low.add(after.time, track.last);
       track.high.add(after.time, -track.last);
-      track.bounds.take(to_smooth(track.part, track.last));
+      track.bounds.take(after.time, to_smooth(track.part, track.last));
     }
   }
 }
@@ -271,12 +314,12 @@ void RequirementMonitor::add_blow(Track& track, const MotionKnot& before, const 
 // none.
 void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
   if (track.fresh || track.straight) return;
-  const Take take = track.requirement->take;
-  if (track.law) {
-    track.law->finish(takes_low(take) ? &track.low : nullptr, takes_high(take) ? &track.high : nullptr);
+  if (track.law) return search_law(track, LawEnd::kEnds);
+  if (track.bounded) {
+    FinerOfTrack finer(*this, track);
+    track.bounds.finish(&finer);
     return;
   }
-  track.bounds.finish();
   track.low.finish([&](double time) { return calc_within(track, window, time); });
   track.high.finish([&](double time) { return -calc_within(track, window, time); });
 }
@@ -294,19 +337,82 @@ void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot&
   const auto add = [&](const MotionKnot& knot, bool begins_here) {
     track.law->add(knot.time, knot.quantities, commands, begins_here);
     const double value = calc_sample(track, knot);
+    track.law_values[0] = track.law_values[1];
+    track.law_values[1] = value;
     if (low != nullptr) low->take(knot.time, value);
     if (high != nullptr) high->take(knot.time, -value);
   };
   // What changes at events alone, or is straight between them, may begin anew where the rest goes on smoothly.
   const bool anew = !begins && track.law->begins_anew(from.quantities, to.time, to.quantities);
-  if (anew) track.law->finish(low, high);
+  if (anew) search_law(track, LawEnd::kEnds);
   if (begins || anew) add(from, true);
   add(to, false);
-  track.law->search(low, high);
+  search_law(track, LawEnd::kGoesOn);
+}
+
+// Searches the interval before the latest one, or where the curve ends the latest. An extreme between knots that is
+// more than kGain beyond those that are known depends on how well the polynomials of what the law reads are: there, and
+// between two knots alone, the step is taken again.
+void RequirementMonitor::search_law(Track& track, LawEnd end) const {
+  constexpr double kGain = 1e-3;  // of the value
+  const bool ends = end == LawEnd::kEnds, is_pair = ends && track.law->count_knots() == 2;
+  if (track.law->count_knots() < (ends ? 2 : 3)) return;
+  const LawCurve::Span span = ends ? track.law->get_latest_span() : track.law->get_span_before();
+  const double change = std::abs(track.law_values[1] - track.law_values[0]);
+  const auto look = [&](bool is_low, Smallest& own, Track::LawDoubt& doubt) {
+    Smallest tried = own;
+    Smallest *const low = is_low ? &tried : nullptr, *const high = is_low ? nullptr : &tried;
+    ends ? track.law->finish(low, high) : track.law->search(low, high);
+    const double sign = is_low ? 1 : -1, room = kGain * std::abs(tried.get_value());
+    const double beyond = std::min(sign * track.law_values[0], sign * track.law_values[1]) - change;
+    const bool may_be_beyond = is_pair && change > room && beyond < own.get_value();
+    const double gain = own.get_value() - tried.get_value();
+    Smallest found = own;
+    if ((gain > room || may_be_beyond) && refine_law(track, span, is_low, found)) {
+      if (gain > room || found.get_value() < own.get_value())
+        doubt.error = std::abs(found.get_value() - tried.get_value()) / FinerSteps::kParts;
+      own = found;
+      return;
+    }
+    if (gain > 0) doubt.error = gain > room ? gain : 0;
+    if (may_be_beyond) doubt.unsearched = std::min(doubt.unsearched, beyond);
+    own = tried;
+  };
+  const Take take = track.requirement->take;
+  if (takes_low(take)) look(true, track.low, track.low_doubt);
+  if (takes_high(take)) look(false, track.high, track.high_doubt);
+}
+
+// False if the step is not taken again.
+bool RequirementMonitor::refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const {
+  const FinerSteps::Again again = finer_ ? finer_->take(span.from, span.to) : FinerSteps::Again{};
+  if (again.knots.empty()) return false;
+  if (!track.finer_law)
+    track.finer_law.emplace(scenario_.model, simulation_.plan(),
+                            find_law(scenario_.model, *track.requirement)->subject);
+  LawCurve& law = *track.finer_law;
+  Smallest *const low = is_low ? &found : nullptr, *const high = is_low ? nullptr : &found;
+  const auto is_within = [&span](LawCurve::Span own) {
+    return own.get_middle() > span.from && own.get_middle() < span.to;
+  };
+  const auto finish = [&] {
+    if (is_within(law.get_latest_span())) law.finish(low, high);
+  };
+  for (const std::unique_ptr<FinerKnot>& own : again.knots) {
+    if (own->begins && own != again.knots.front()) finish();
+    law.add(own->knot.time, own->knot.quantities, again.commands, own->begins);
+    if (own->knot.time >= span.from && own->knot.time <= span.to) {
+      const double value = calc_sample(track, own->knot);
+      found.take(own->knot.time, is_low ? value : -value);
+    }
+    if (!own->begins && law.count_knots() > 2 && is_within(law.get_span_before())) law.search(low, high);
+  }
+  finish();
+  return true;
 }
 
 void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
-                                   std::span<const double> commands) {
+                                   std::span<const double> commands, bool switched) {
   window_ = &window;
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
@@ -335,7 +441,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     }
     track.apart = apart;
     // What a law reads goes on smoothly through its corners.
-    const bool begins = track.fresh || !(track.law ? window.is_continuous() : window.is_smooth());
+    const bool begins =
+        track.fresh || (switched && track.jumps) || !(track.law ? window.is_continuous() : window.is_smooth());
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
@@ -358,11 +465,17 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       track.fresh = false;
       continue;
     }
-    if (is_sampled(r) && begins) add_to_curve(track, from.time, start, true);
     track.last = start;
     track.has_last = true;
     const double end = calc_at(track, to);
-    if (is_sampled(r)) add_to_curve(track, to.time, end, false);
+    if (is_sampled(r)) {
+      if (begins) add_to_bounds(track, from.time, start, true);
+      add_to_bounds(track, to.time, end, false);
+      track.last = end;
+      track.last_time = to.time;
+      track.fresh = false;
+      continue;
+    }
     if (track.phase == Phase::kOpen && takes_low(r.take))
       track.low.add(from.time, start, to.time, end, begins,
                     [&](double time) { return calc_within(track, window, time); });
@@ -456,6 +569,11 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
   } else if (track.phase == Phase::kOpen) {
     finish(track, window);
   }
+  if (track.bounded && !track.law) {
+    const ExtremeBounds::Bound &least = track.bounds.get_low(), &most = track.bounds.get_high();
+    track.low.take(least.found, from_smooth(track.part, least.value));
+    track.high.take(most.found, -from_smooth(track.part, -most.value));
+  }
   const double low = track.low.get_value(), high = -track.high.get_value();
   const double low_time = track.low.get_time(), high_time = track.high.get_time();
   switch (r.take) {
@@ -479,8 +597,23 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
         verdict.margin = r.most - high;
       }
   }
-  if (is_sampled(r) && !r.received && !track.law && !track.straight)
-    judge_extreme(r, {low, high, track.bounds, track.part}, scenario_.dt, verdict);
+  if (!track.bounded) return verdict;
+  const auto get = [&track](const ExtremeBounds::Bound& bound, const Smallest& own, const Track::LawDoubt& doubt) {
+    if (!track.law) return bound;
+    const double value = own.get_value();
+    return ExtremeBounds::Bound{.least = value - doubt.error,
+                                .most = value + doubt.error,
+                                .time = own.get_time(),
+                                .value = value,
+                                .unsearched = doubt.unsearched};
+  };
+  judge_extreme(r,
+                {.low = low,
+                 .high = high,
+                 .least = get(track.bounds.get_low(), track.low, track.low_doubt),
+                 .most = get(track.bounds.get_high(), track.high, track.high_doubt),
+                 .part = track.law ? SmoothPart::kItself : track.part},
+                scenario_.dt, verdict);
   return verdict;
 }
 

@@ -2,19 +2,21 @@
 // "unresolved". Minima and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/run/extremes/extreme_bounds.h"
+#include "hil/run/extremes/finer_steps.h"
 #include "hil/run/extremes/law_curve.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/joint_frame.h"
 #include "hil/run/motion/motion_window.h"
-#include "hil/run/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/step.h"
 
@@ -32,23 +34,36 @@ struct Verdict {
   [[nodiscard]] bool leaves_out_blow() const { return blow < std::numeric_limits<double>::infinity(); }
   // How far the value may be wrong, at most, of an extreme of what is known at knots alone: extreme_bounds.h.
   double uncertainty = 0;
+  // The value is that of a tick or an event, and may be beyond it in between: new commands came, or other events, at
+  // both ends of the step, and it was not taken again (finer_steps.h).
+  bool at_ticks = false;
+  // Part of the value that its uncertainty may be without a word.
+  static constexpr double kExact = 1e-3;
+  [[nodiscard]] bool is_uncertain() const { return evaluated && uncertainty > kExact * std::abs(value); }
   // Cause, if the value depends on something that the step did not resolve: then it is neither met nor missed.
   std::string unresolved;
   [[nodiscard]] bool is_resolved() const { return unresolved.empty(); }
   [[nodiscard]] bool is_met() const { return is_resolved() && evaluated && margin >= 0; }
 };
 
+// True for an extreme of what is known at knots alone, or of an expression of what is: its verdict has an uncertainty.
+bool is_bounded(const Model& model, const Requirement& requirement);
+
 class RequirementMonitor {
  public:
   // Keeps references to all arguments.
-  RequirementMonitor(const Scenario& scenario, const Plan& plan, const ClearanceHistory& clearances,
+  RequirementMonitor(const Scenario& scenario, const Simulation& simulation, const ClearanceHistory& clearances,
                      const ContactHistory& contacts);
+
+  // Called after each step of the simulation, before its pieces of motion are added.
+  void begin_step(const StepReport& report);
 
   // Adds events that acted at an instant; `before` and `after`: the knots around it.
   void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
   // Adds the piece between these knots, with these commands, to which the window and the clearances have already moved.
+  // `switched`: events or new commands are at its beginning, at which forces may jump where no acceleration does.
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
-                 std::span<const double> commands);
+                 std::span<const double> commands, bool switched);
   // Adds the values of all sensors as flight software receives them, at the end of a tick; they hold until the next.
   void add_received(double time, std::span<const double> values);
   // Verdicts on the run so far, whose end is the end of the window.
@@ -69,11 +84,18 @@ class RequirementMonitor {
     double blow = std::numeric_limits<double>::infinity();  // as Verdict::blow
     std::size_t first = 0;                                  // index of a sensor's first value
     Phase phase = Phase::kOpen;
-    Smallest low, high;  // `high`: minimum of the negative
-    SampledCurve curve;
-    ExtremeBounds bounds;
-    std::optional<LawCurve> law;            // instead, of a quantity that is a law
+    Smallest low, high;                      // `high`: minimum of the negative
+    ExtremeBounds bounds;                    // instead, of what is known at knots alone
+    std::optional<LawCurve> law, finer_law;  // instead, of a quantity that is a law; of the knots of finer steps
+    // Of a law: how far both extremes may be wrong; what they may be between two knots behind which nothing goes on
+    // smoothly; the latest two values.
+    struct LawDoubt {
+      double error = 0, unsearched = std::numeric_limits<double>::infinity();
+    } low_doubt, high_doubt;
+    double law_values[2] = {};
+    bool jumps = false;                     // it may jump where forces do and no acceleration does
     SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
+    bool bounded = false;                   // as is_bounded()
     bool straight = false;                  // a straight line between events: its extremes are at knots
     bool has_last = false, fresh = true;
     bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
@@ -81,10 +103,9 @@ class RequirementMonitor {
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
   };
 
-  // True for quantities that are known at knots alone.
-  [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
   [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
-  static void add_to_curve(Track& track, double time, double value, bool begins);
+  class FinerOfTrack;
+  void add_to_bounds(Track& track, double time, double value, bool begins) const;
   template <class BodyAt>
   [[nodiscard]] double calc_of_bodies(const Track& track, const BodyAt& body_at) const;
   [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;
@@ -93,17 +114,22 @@ class RequirementMonitor {
   static void take(Track& track, double time, double value);
   void add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
                   std::span<const double> commands) const;
+  enum class LawEnd { kGoesOn, kEnds };
+  void search_law(Track& track, LawEnd end) const;
+  bool refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
   void add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const;
   [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
   [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;
 
   const Scenario& scenario_;
+  const Simulation& simulation_;
   const ClearanceHistory& clearances_;
   const ContactHistory& contacts_;
   std::vector<Track> tracks_;
-  std::vector<double> received_;  // present values of all sensors as received
-  std::vector<double> times_;     // s, first occurrence of each event; NaN before it
+  std::vector<double> received_;       // present values of all sensors as received
+  std::vector<double> times_;          // s, first occurrence of each event; NaN before it
+  std::unique_ptr<FinerSteps> finer_;  // where some requirement may need them
   const MotionWindow* window_ = nullptr;
 };
 

@@ -15,7 +15,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       clearance_(scenario),
       contacts_(scenario, simulation, request.touches),
       peaks_(scenario.model.joints.size()),
-      requirements_(scenario, simulation.plan(), clearance_, contacts_),
+      requirements_(scenario, simulation, clearance_, contacts_),
       separations_(scenario, request.pushes),
       accuracy_(scenario, simulation, request.accuracy),
       unseen_clearances_(scenario),
@@ -40,6 +40,7 @@ void RunAnalysis::update(const StepReport& report, std::span<const LogReceived> 
     contacts_.begin(simulation_.get_time(), simulation_.state());
     peaks_.begin(simulation_.get_time(), simulation_.workspace().multipliers);
   } else {
+    requirements_.begin_step(report);
     add_motion(report.events);
   }
   add_received(received);
@@ -74,14 +75,18 @@ void RunAnalysis::update_shared(const StepReport& report) {
 // events.
 void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
   const std::span<const MotionKnot> knots = simulation_.get_motion();
+  const std::span<const double> inputs = simulation_.get_inputs();
+  bool switched = !std::ranges::equal(inputs, inputs_);
+  inputs_.assign(inputs.begin(), inputs.end());
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const MotionKnot &from = knots[i - 1], &to = knots[i];
     if (!to.begins) {
       window_.move_on(from, to);
       clearance_.add(window_);
       contacts_.add(window_, from, to);
-      if (request_.reactions) peaks_.add(from, to, window_.is_smooth());
-      requirements_.add_piece(window_, from, to, simulation_.get_inputs());
+      if (request_.reactions) peaks_.add(from, to, window_.is_smooth() && !switched);
+      requirements_.add_piece(window_, from, to, inputs, switched);
+      switched = false;
       separations_.add_piece(window_, from, to);
       for (const UnseenClearance& unseen : unseen_clearances_.find(window_))
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
@@ -91,6 +96,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
         accuracy_.report_unseen(unseen);
       continue;
     }
+    switched = switched || is_switched(from, to);
     contacts_.add_events(from, to);
     std::size_t count = 0;
     while (count < events.size() && events[count].time == to.time) add_event(events[count++], from, to);

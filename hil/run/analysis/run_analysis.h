@@ -93,6 +93,7 @@ class RunAnalysis {
   const Simulation& simulation_;
   const AnalysisRequest request_;
   std::vector<double> received_;           // scratch
+  std::vector<double> inputs_;             // of the latest step
   std::optional<std::int32_t> redundant_;  // number of redundant rows at the latest state
   MotionWindow window_;
   ClearanceHistory clearance_;

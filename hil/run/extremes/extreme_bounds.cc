@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/run/motion/extreme.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -11,6 +13,8 @@ constexpr int kLooks = 8;          // of an interval, at whose ends the polynomi
 constexpr double kOneKnot = 1e-6;  // of the spacing: of knots that are nearer to each other one counts
 constexpr double kBeyond = 8;      // times what six knots span: a polynomial through them goes no farther between them
 constexpr double kLeastFall = 1e-14;  // of values: rounding of a difference
+// Part of an extreme to which it is to be known; one that is small counts as this part of the largest value.
+constexpr double kFine = 1e-4, kFloor = 1e-4;
 
 }  // namespace
 
@@ -114,21 +118,42 @@ double from_smooth(SmoothPart part, double smooth) {
   return part == SmoothPart::kSquare ? std::sqrt(positive) : 2 * std::asin(std::min(1.0, std::sqrt(0.5 * positive)));
 }
 
-void ExtremeBounds::take(double value) {
-  low_.least = std::min(low_.least, value);
-  low_.most = std::min(low_.most, value);
-  high_.least = std::min(high_.least, -value);
-  high_.most = std::min(high_.most, -value);
+namespace {
+
+void take_smallest(ExtremeBounds::Bound& bound, double time, double value) {
+  bound.least = std::min(bound.least, value);
+  bound.most = std::min(bound.most, value);
+  if (value < bound.value) bound.value = value, bound.found = time;
 }
 
-void ExtremeBounds::add(double time, double value, bool begins) {
-  if (begins) {
-    finish();
+void merge(const ExtremeBounds::Bound& from, ExtremeBounds::Bound& to) {
+  if (from.least < to.least) {
+    to.least = from.least;
+    to.time = from.time;
+    to.spacing = from.spacing;
+    to.ratio = from.ratio;
+  }
+  to.most = std::min(to.most, from.most);
+  if (from.value < to.value) to.value = from.value, to.found = from.found;
+}
+
+}  // namespace
+
+void ExtremeBounds::take(double time, double value) {
+  take_smallest(low_, time, value);
+  take_smallest(high_, time, -value);
+}
+
+void ExtremeBounds::add(const ValueKnot& knot, FinerValues* finer) {
+  if (knot.begins) {
+    finish(finer);
     count_ = searched_ = 0;
   }
-  take(value);
+  if (knot.time >= from_ && knot.time <= to_) take(knot.time, knot.value);
+  size_ = std::max(size_, std::abs(knot.value));
+  if (count_ == 1 && !(knot.time > times_[0])) return;
   if (count_ > 1 &&
-      time - times_[count_ - 1] < kOneKnot * (times_[count_ - 1] - times_[0]) / static_cast<double>(count_ - 1))
+      knot.time - times_[count_ - 1] < kOneKnot * (times_[count_ - 1] - times_[0]) / static_cast<double>(count_ - 1))
     return;
   if (count_ == kPoints) {
     std::copy(times_ + 1, times_ + kPoints, times_);
@@ -136,60 +161,112 @@ void ExtremeBounds::add(double time, double value, bool begins) {
     --count_;
     searched_ -= searched_ > 0 ? 1 : 0;
   }
-  times_[count_] = time;
-  values_[count_++] = value;
+  times_[count_] = knot.time;
+  values_[count_++] = knot.value;
   if (count_ == kPoints)
-    while (searched_ < kPoints / 2) search(searched_++);
+    while (searched_ < kPoints / 2) search(searched_++, finer);
 }
 
-void ExtremeBounds::finish() {
-  if (count_ < 3) return;
-  while (searched_ + 1 < count_) search(searched_++);
+void ExtremeBounds::finish(FinerValues* finer) {
+  if (count_ < 2) return;
+  if (count_ == 2) {
+    if (searched_++ > 0 || leaves_out(0)) return;
+    search_pair(finer, {1, &low_});
+    search_pair(finer, {-1, &high_});
+    return;
+  }
+  while (searched_ + 1 < count_) search(searched_++, finer);
 }
 
-void ExtremeBounds::search(std::size_t interval) {
+bool ExtremeBounds::leaves_out(std::size_t interval) const {
+  const double middle = 0.5 * (times_[interval] + times_[interval + 1]);
+  return middle < from_ || middle > to_;
+}
+
+// Nothing is known of what is between the two.
+void ExtremeBounds::search_pair(FinerValues* finer, Side side) const {
+  const double at_from = side.sign * values_[0], at_to = side.sign * values_[1], change = std::abs(at_from - at_to);
+  const double least = std::min(at_from, at_to) - change;
+  if (!(least < side.bound->value) || change <= kFine * std::max(std::abs(at_from), kFloor * size_)) return;
+  if (!refine(times_[0], times_[1], finer, side)) side.bound->unsearched = std::min(side.bound->unsearched, least);
+}
+
+void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const auto [least, most] = std::minmax_element(values_, values_ + count_);
   const double beyond = kBeyond * (*most - *least);
   const double low = std::min(values_[interval], values_[interval + 1]);
   const double high = std::max(values_[interval], values_[interval + 1]);
-  const bool may_be_low = low - beyond < low_.least, may_be_high = -high - beyond < high_.least;
-  if (!(beyond > 0) || !(may_be_low || may_be_high)) return;
+  const bool may_be_low = low - beyond < low_.value, may_be_high = -high - beyond < high_.value;
+  if (!(beyond > 0) || !(may_be_low || may_be_high) || leaves_out(interval)) return;
   const Stencil stencil({times_, count_}, {values_, count_}, interval);
-  if (may_be_low) look(stencil, 1, low_);
-  if (may_be_high) look(stencil, -1, high_);
+  if (may_be_low) search(stencil, finer, {1, &low_});
+  if (may_be_high) search(stencil, finer, {-1, &high_});
+}
+
+void ExtremeBounds::search(const Stencil& stencil, FinerValues* finer, Side side) const {
+  const Bound own = look(stencil, side);
+  if (own.least < side.bound->value && !is_known(own) && refine(stencil.from, stencil.to, finer, side)) return;
+  merge(own, *side.bound);
+}
+
+bool ExtremeBounds::is_known(const Bound& bound) const {
+  return bound.most - bound.least <= kFine * std::max(std::abs(bound.value), kFloor * size_);
+}
+
+// False if nothing finer is known there.
+bool ExtremeBounds::refine(double from, double to, FinerValues* finer, Side side) const {
+  const std::span<const ValueKnot> knots = finer != nullptr ? finer->list(from, to) : std::span<const ValueKnot>{};
+  if (knots.empty()) return false;
+  ExtremeBounds bounds;
+  bounds.size_ = size_;
+  bounds.from_ = from;
+  bounds.to_ = to;
+  for (const ValueKnot& knot : knots) bounds.add(knot);
+  bounds.finish();
+  const Bound& found = side.sign > 0 ? bounds.low_ : bounds.high_;
+  merge(found, *side.bound);
+  side.bound->unsearched = std::min(side.bound->unsearched, found.unsearched);
+  return true;
 }
 
 // The smallest of the polynomial give or take its uncertainty: at the ends of parts, and where a parabola through three
 // of these is least.
-void ExtremeBounds::look(const Stencil& stencil, double sign, Bound& bound) const {
+ExtremeBounds::Bound ExtremeBounds::look(const Stencil& stencil, Side side) const {
   const double part = (stencil.to - stencil.from) / kLooks;
   const auto at = [&](int i) { return stencil.from + i * part; };
-  const auto calc = [&](double time, double side) {
+  const auto calc = [&](double time, double off) {
     const Stencil::Value value = stencil.calc(time);
-    return sign * value.value + side * value.uncertainty;
+    return side.sign * value.value + off * value.uncertainty;
   };
-  for (const double side : {-1.0, 1.0}) {
-    double values[kLooks + 1] = {sign * stencil.at_from};
-    values[kLooks] = sign * stencil.at_to;
-    for (int i = 1; i < kLooks; ++i) values[i] = calc(at(i), side);
+  Bound found;
+  found.spacing = stencil.spacing;
+  found.ratio = stencil.ratio;
+  for (const double off : {-1.0, 1.0, 0.0}) {
+    double values[kLooks + 1] = {side.sign * stencil.at_from};
+    values[kLooks] = side.sign * stencil.at_to;
+    for (int i = 1; i < kLooks; ++i) values[i] = calc(at(i), off);
     const auto lowest = static_cast<int>(std::min_element(values, values + kLooks + 1) - values);
     double value = values[lowest], time = at(lowest);
     const int middle = std::clamp(lowest, 1, kLooks - 1);
     const double left = values[middle - 1] - values[middle], right = values[middle + 1] - values[middle];
     const double shift = left + right > 0 ? 0.5 * (left - right) / (left + right) : 0;
     if (shift != 0 && std::abs(shift) < 1) {
-      const double there = at(middle) + shift * part, vertex = calc(there, side);
+      const double there = at(middle) + shift * part, vertex = calc(there, off);
       if (vertex < value) value = vertex, time = there;
+      if (off == 0 && value < side.bound->value) {
+        Least least;
+        least.search(at(middle - 1), at(middle + 1), [&](double t) { return calc(t, 0); });
+        if (least.get_value() < value) value = least.get_value(), time = least.get_time();
+      }
     }
-    if (side > 0) {
-      bound.most = std::min(bound.most, value);
-    } else if (value < bound.least) {
-      bound.least = value;
-      bound.time = time;
-      bound.spacing = stencil.spacing;
-      bound.ratio = stencil.ratio;
-    }
+    if (off > 0) found.most = value;
+    if (off < 0) found.least = value, found.time = time;
+    if (off == 0) found.value = value, found.found = time;
   }
+  if (found.found > stencil.from && found.found < stencil.to) found.most = std::min(found.most, calc(found.found, 1));
+  found.least = std::min(found.least, found.value);
+  found.most = std::max(found.most, found.value);
+  return found;
 }
 
 }  // namespace unlatch::hil

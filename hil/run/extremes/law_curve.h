@@ -36,6 +36,15 @@ class LawCurve {
   void search(Smallest* low, Smallest* high);
   // Likewise between the latest two knots, where the curve ends.
   void finish(Smallest* low, Smallest* high);
+  // Where search() and finish() look: two knots' times, s.
+  struct Span {
+    double from = 0, to = 0;
+    [[nodiscard]] double get_middle() const { return 0.5 * (from + to); }
+  };
+  [[nodiscard]] Span get_span_before() const { return {before_.from, before_.to}; }
+  [[nodiscard]] Span get_latest_span() const { return {latest_.from, latest_.to}; }
+  // Knots of this smooth curve, as far as they are counted: 3 are three or more.
+  [[nodiscard]] int count_knots() const { return knots_; }
 
  private:
   struct Interval {

@@ -37,7 +37,7 @@ JudgedValues::JudgedValues(const SampleEvaluator& evaluator, const std::vector<s
     for (std::size_t i = 0; i < columns.size(); ++i) judged[i] = columns[i].kind != Kind::kClearanceTime;
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (judged[i] && columns[i].kind != Kind::kStep && columns[i].kind != Kind::kStepError &&
-        columns[i].kind != Kind::kWithoutBlow)
+        columns[i].kind != Kind::kWithoutBlow && columns[i].kind != Kind::kUncertainty)
       add(i);
 }
 

@@ -74,6 +74,10 @@ struct Results {
         for (const Verdict& verdict : verdicts)
           if (verdict.requirement == column.index && verdict.leaves_out_blow()) return verdict.blow;
         return kNone;
+      case Kind::kUncertainty:
+        for (const Verdict& verdict : verdicts)
+          if (verdict.requirement == column.index && verdict.is_uncertain()) return verdict.uncertainty;
+        return kNone;
       case Kind::kEvent: {
         const auto found = events.find(get_event_name(scenario.model.events[column.index]));
         return found == events.end() ? kNone : found->second;
@@ -169,6 +173,10 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
   for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
     if (scenario.requirements[i].quantity == Requirement::Measure::kReaction)
       columns.push_back({Kind::kWithoutBlow, scenario.requirements[i].id + ".without_blow", "s", i, 0});
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
+    if (is_bounded(scenario.model, scenario.requirements[i]))
+      columns.push_back(
+          {Kind::kUncertainty, scenario.requirements[i].id + ".uncertainty", scenario.requirements[i].unit, i, 0});
   return columns;
 }
 

@@ -13,6 +13,8 @@
 //   separation.JOINT.rate       rad/s, of the follower relative to the base, across the axis
 //   peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
 //   ID.without_blow             s, of a requirement on a reaction: the first blow whose impulse its value leaves out
+//   ID.uncertainty              in the requirement's unit, of one whose value may be off between steps: by how much at
+//                               most, where that is more than a thousandth of it
 //   contact.NAME.touch          s, first touch
 //   contact.NAME.peak           N, largest normal force
 //   contact.NAME.depth          m, largest depth
@@ -52,7 +54,8 @@ struct ResultColumn {
     kCurve,
     kStep,
     kStepError,
-    kWithoutBlow
+    kWithoutBlow,
+    kUncertainty
   };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI

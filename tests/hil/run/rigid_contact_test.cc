@@ -77,6 +77,26 @@ TEST(RigidContacts, OneThatBearsAWeightHasItFromTheFirstTick) {
   EXPECT_NEAR(run.judge("least").value, kWeight, 1e-9);
 }
 
+// 1 m/s at first, braked by 0.5 m/s², over a floor without friction, and turning at 2 rad/s about the vertical.
+TEST(RigidContacts, TheSlipOfOneWithoutFrictionIsItsPath) {
+  const AnalysedRun run(R"(unlatch: 1
+name: slide
+step: {dt: 5 ms, until: 1 s}
+gravity: {uniform: [0, 0, -9.81]}
+bodies:
+  ball: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.1], velocity: [1, 0, 0], rate: [0, 0, 2], shape: [{sphere: {radius: 0.1}}]}
+ground: {shape: [{name: floor, half_space: {point: [0, 0, 0], normal: [0, 0, 1]}}]}
+elements:
+  brake: {type: force, body: ball, frame: world, direction: [-1, 0, 0], profile: 1 N}
+contacts:
+  feet: {between: [ground.floor, ball], rigid: true}
+requirements:
+  - {id: slip, contact_slip: feet, take: final, at_least: 0.7}
+)");
+  EXPECT_NEAR(run.judge("slip").value, 0.75, 1e-9);
+  EXPECT_NEAR(run.analysis.list_contacts()[0].totals.slip, 0.75, 1e-9);
+}
+
 TEST(RigidContacts, TheEnergyBalanceCloses) {
   const hil::Scenario scenario = hil::load_scenario_text(build_ball("0.2", "rigid: true, restitution: 0.5"), "s.yaml");
   const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);

@@ -237,6 +237,38 @@ requirements:
         text = self.run_ok(UNLATCH, "run", scenario).stdout
         self.assertEqual(text.count("; without the impulse of the blow at 0.1 s"), 2)
 
+    # The balls are 0.3 m apart for a twentieth of a step; the limit is so far away that the verdict is sure.
+    def test_an_extreme_that_is_not_known_to_a_thousandth_says_how_far_it_may_be_off(self):
+        path = self.write("""unlatch: 1
+name: pass
+step: {dt: 10 ms, until: 1}
+constants: {v: 2000 m/s}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [-812, 0.5, 0], velocity: [v, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+requirements:
+  - {id: near, quantity: {clearance: {between: [a, b]}}, at_least: -1000}
+  - {id: far, quantity: {clearance: {between: [a, b]}}, at_most: 3000}
+""")
+        near, far = self.run_json(UNLATCH, "run", path)["verdict"]
+        self.assertTrue(near["met"])
+        self.assertGreater(near["uncertainty"], max(1e-3 * near["value"], abs(near["value"] - 0.3)))
+        self.assertNotIn("uncertainty", far)
+        junit = self.folder / "out.xml"
+        text = self.run_ok(UNLATCH, "run", path, "--junit", junit).stdout
+        said = re.search(r"near +met +(\S+ ± \S+) m at", text)[1]
+        self.assertIn(said, {case.name: case for case in next(iter(JUnitXml.fromfile(str(junit))))}["near"].system_out)
+        self.assertEqual(text.count("±"), 1)
+        campaign = self.folder / "pass.campaign.yaml"
+        campaign.write_text("unlatch_campaign: 1\nname: pass\nscenario: pass.yaml\nsamples: 4\nsampling: random\n"
+                            "parameters:\n  v: {path: constants.v, uniform: {min: 1990 m/s, max: 2010 m/s}}\n")
+        out = self.folder / "out"
+        said = self.run_ok(UNLATCH, "campaign", campaign, "--out", out).stdout
+        by_id = {one["id"]: one for one in json.loads((out / "summary.json").read_text())["requirements"]}
+        self.assertEqual(by_id["near"]["uncertain"]["samples"], 4)
+        self.assertNotIn("uncertain", by_id["far"])
+        self.assertIn("note: near: 4 samples known to ± ", said)
+
     # A spring carries what a contact does not resolve to a body that touches nothing.
     def test_what_a_spring_connects_to_an_unresolved_body_is_unresolved_too(self):
         spring = "elements:\n  link: {type: spring, between: [ball, away], stiffness: 1, free_length: 1}\n"

@@ -58,7 +58,8 @@ else {
     ...['0.01', '0.05', '0.5', '0.95', '0.99'].map((p) => valueOf(r, r.quantiles[p])), toleranceOf(r)]);
   if (any && rows.length > 1) rows.push(['any requirement', '', countFailed(any), countBad(any.unresolved), '', '', boundsOf(any.probability), '', '', '', '', '', '', '', '']);
   byId('basis').textContent = [summary.basis.text && `Sampling ${summary.basis.sampling}: ${summary.basis.text}.`,
-    ...summary.requirements.filter((r) => r.without_blow).map((r) => `The values of ${r.id} in ${r.without_blow} ${r.without_blow === 1 ? 'sample is' : 'samples are'} without the impulse of a blow through the joint.`)].filter(Boolean).join(' ');
+    ...summary.requirements.filter((r) => r.without_blow).map((r) => `The values of ${r.id} in ${r.without_blow} ${r.without_blow === 1 ? 'sample is' : 'samples are'} without the impulse of a blow through the joint.`),
+    ...summary.requirements.filter((r) => r.uncertain).map((r) => `${r.id}: ${r.uncertain.samples} ${r.uncertain.samples === 1 ? 'sample' : 'samples'} known to ± ${r.uncertain.by.toPrecision(2)} ${r.unit} at worst, between steps.`)].filter(Boolean).join(' ');
   fill('verdict', ['requirement', 'limit', 'failed', 'unresolved', 'faulted', 'missing', 'probability, 95 %', 'least', 'greatest', '1 %', '5 %', 'median', '95 %', '99 %', 'tolerance, 99 % / 95 %'], rows);
 }
 fill('orders', ['order of events', 'samples', 'first'], summary.orders.classes.slice(0, 8).map((c) => [c.order || 'no event', c.samples, c.first]));

@@ -68,7 +68,8 @@ function buildPeaks(runs, clock) {
   return both(runs, ['joint', ...ROWS.map((row, k) => `${row}, ${k < 3 ? 'N' : 'N m'}`), 'mode at the end'], (run) => (
     run.joints.map((joint) => ({ name: joint.name, rank: norm(joint.peaks.slice(0, 3).map((peak) => peak.value)), cells: [
       joint.name, ...joint.peaks.map((peak) => (
-        el('button', { class: 'jump', title: `at ${digits(peak.t)} s`, onclick: () => clock.set(peak.t) }, digits(peak.value, 5)))),
+        el('button', { class: 'jump', title: `at ${digits(peak.t)} s${peak.at_ticks ? ', as sampled at ticks and events' : ''}`, onclick: () => clock.set(peak.t) },
+          digits(peak.value, 5) + (peak.uncertainty ? ` ± ${digits(peak.uncertainty, 2)}` : '')))),
       run.finalModes[joint.name]] }))));
 }
 

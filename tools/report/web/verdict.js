@@ -5,6 +5,7 @@ const DEG = 180 / Math.PI;
 const SIZE = { force: '|F|', moment: '|M|' };
 
 const withUnit = (value, unit) => digits(value, 6) + (unit ? ` ${unit}` : '');
+const withError = ({ value, uncertainty, unit }) => withUnit(value, '') + (uncertainty ? ` ± ${digits(uncertainty, 2)}` : '') + (unit ? ` ${unit}` : '');
 
 function describeLimit({ at_least: least, at_most: most, unit }) {
   if (most === null) return `at least ${withUnit(least, unit)}`;
@@ -34,9 +35,10 @@ export function buildVerdict(runs, clock) {
   const letter = (run) => (two ? [el('span', { class: `letter ${run.label}` }, run.label)] : []);
   const rows = runs.flatMap((run) => run.verdict.map((item) => [
     ...letter(run), item.id, word(item),
-    ...(item.evaluated ? [withUnit(item.value, item.unit), describeLimit(item), withUnit(item.margin, item.unit), jump(clock, item.t)]
+    ...(item.evaluated ? [withError(item), describeLimit(item), withUnit(item.margin, item.unit), jump(clock, item.t)]
       : [item.why, describeLimit(item), '', '']),
     (item.text ? `${item.text} (${item.quantity})` : item.quantity) + (item.resolved ? '' : `; depends on ${item.unresolved}`)
+      + (item.at_ticks ? '; as sampled at ticks and events' : '')
       + ('without_blow' in item ? `; without the impulse of the blow at ${digits(item.without_blow, 6)} s` : '')]));
   const limits = runs.flatMap((run) => run.session_limits.map((limit) => [
     ...letter(run), limit.id, word({ ...limit, resolved: true, evaluated: true }), digits(limit.value, 6),

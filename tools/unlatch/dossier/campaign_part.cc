@@ -114,6 +114,12 @@ Json build_campaign_part(const CampaignData& data, const std::string& command, E
       evidence["uncertainty"].push_back("The values of " + one.at("id").get<std::string>() + " in " +
                                         count(one.at("without_blow").get<long long>(), "sample") +
                                         " are without the impulse of a blow through the joint.");
+  for (const Json& one : summary.at("requirements"))
+    if (one.contains("uncertain"))
+      evidence["uncertainty"].push_back(one.at("id").get<std::string>() + ": " +
+                                        count(one.at("uncertain").at("samples").get<long long>(), "sample") +
+                                        " known to ± " + to_short_text(one.at("uncertain").at("by").get<double>()) +
+                                        " " + one.value("unit", "") + " at worst, between steps.");
   if (!summary.at("unresolved").empty())
     evidence["uncertainty"].push_back(count(summary.at("unresolved").size(), "sample") +
                                       " unresolved: the bounds of probabilities hold whatever they are.");

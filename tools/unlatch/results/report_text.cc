@@ -123,6 +123,37 @@ void print_contacts(std::FILE* to, const RunReport& report) {
   }
 }
 
+constexpr double kLeastPeak = 1e-6;  // of the largest in a line: how well smaller ones are known is not said
+
+// Peaks that may be off between ticks and events, for the lines below their table.
+class UncertainPeaks {
+ public:
+  void add(const std::string& name, const hil::PeakReaction& peak) {
+    if (peak.is_uncertain()) append(known_, name + format(" ± %.2g", peak.uncertainty));
+    if (peak.at_ticks) append(at_ticks_, name);
+  }
+  void print(std::FILE* to) const {
+    print(to, "known between steps", known_);
+    print(to, "as sampled at ticks and events", at_ticks_);
+  }
+
+ private:
+  struct List {
+    std::string text;
+    std::size_t count = 0;
+  };
+  static constexpr std::size_t kMost = 6;
+  static void append(List& list, const std::string& item) {
+    if (++list.count <= kMost) list.text += (list.count > 1 ? ", " : "") + item;
+  }
+  static void print(std::FILE* to, const char* what, const List& list) {
+    if (list.count == 0) return;
+    const std::string more = list.count > kMost ? " and " + std::to_string(list.count - kMost) + " more" : "";
+    std::fprintf(to, "  %s: %s%s\n", what, list.text.c_str(), more.c_str());
+  }
+  List known_, at_ticks_;
+};
+
 void print_reactions(std::FILE* to, const RunReport& report) {
   const auto& joints = report.scenario.model.joints;
   if (joints.empty()) return;
@@ -134,6 +165,7 @@ void print_reactions(std::FILE* to, const RunReport& report) {
     return joints[i].modes[static_cast<std::size_t>(report.simulation.state().joints[i].mode)].name;
   };
   std::vector<std::string> keys, names;
+  UncertainPeaks uncertain;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     keys.push_back(without_numbers(joints[i].name) + " " + get_mode(i));
     names.push_back(joints[i].name);
@@ -141,17 +173,23 @@ void print_reactions(std::FILE* to, const RunReport& report) {
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
     if (group.size() > 1) std::fprintf(to, "  %s, the largest of each row:\n", name_group(group, names).c_str());
     std::fprintf(to, "  %-12s", group.size() > 1 ? "" : names[group[0]].c_str());
-    std::array<double, kRows> peaks{};
+    std::array<hil::PeakReaction, kRows> peaks{};
+    std::array<std::size_t, kRows> of{};
     double largest = 0;  // N or N m, of any row
     for (std::size_t row = 0; row < kRows; ++row)
       for (const std::size_t i : group) {
-        const double value = report.analysis.get_peak(i, row).value;
-        if (std::abs(value) > std::abs(peaks[row])) peaks[row] = value;
-        largest = std::max(largest, std::abs(value));
+        const hil::PeakReaction peak = report.analysis.get_peak(i, row);
+        if (std::abs(peak.value) > std::abs(peaks[row].value)) peaks[row] = peak, of[row] = i;
+        largest = std::max(largest, std::abs(peak.value));
       }
-    for (const double peak : peaks) std::fprintf(to, " %12.5g", drop_rounding(peak, largest));
+    for (std::size_t row = 0; row < kRows; ++row) {
+      std::fprintf(to, " %12.5g", drop_rounding(peaks[row].value, largest));
+      if (std::abs(peaks[row].value) > kLeastPeak * largest)
+        uncertain.add(joints[of[row]].name + " " + kRowNames[row], peaks[row]);
+    }
     std::fprintf(to, "  %s\n", get_mode(group[0]).c_str());
   }
+  uncertain.print(to);
   for (const hil::SharedReactions& shared : report.analysis.shared)
     std::fprintf(to, "  %s, %g s to %g s\n", describe(report.scenario.model, shared.rows).c_str(), shared.from,
                  shared.until);

@@ -21,13 +21,15 @@ const hil::Requirement& get(const RunReport& report, const hil::Verdict& verdict
   return report.scenario.requirements[verdict.requirement];
 }
 
-// "0.29 m at 1.3 s, at least 0.1 m, margin 0.19 m"
+// "0.29 ± 0.001 m at 1.3 s, at least 0.1 m, margin 0.19 m"
 std::string describe_value(const hil::Requirement& requirement, const hil::Verdict& verdict) {
   if (!verdict.evaluated) return verdict.why;
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
   const double value = drop_rounding(verdict.value, std::abs(verdict.margin));
-  return to_short_text(value) + unit + " at " + to_short_text(verdict.time) + " s, " + describe_limit(requirement) +
-         ", margin " + to_short_text(verdict.margin) + unit +
+  const std::string uncertainty = verdict.is_uncertain() ? format(" ± %.2g", verdict.uncertainty) : "";
+  return to_short_text(value) + uncertainty + unit + " at " + to_short_text(verdict.time) + " s, " +
+         describe_limit(requirement) + ", margin " + to_short_text(verdict.margin) + unit +
+         (verdict.at_ticks ? "; as sampled at ticks and events" : "") +
          (verdict.leaves_out_blow() ? "; without the impulse of the blow at " + to_short_text(verdict.blow) + " s"
                                     : "");
 }
@@ -198,6 +200,8 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
       entry["limit"] = verdict.limit;
       entry["margin"] = verdict.margin;
       entry["t"] = verdict.time;
+      if (verdict.is_uncertain()) entry["uncertainty"] = verdict.uncertainty;
+      if (verdict.at_ticks) entry["at_ticks"] = true;
       if (verdict.leaves_out_blow()) entry["without_blow"] = verdict.blow;
     } else {
       entry["why"] = verdict.why;

@@ -84,6 +84,18 @@ void set_rigid_row(const PlanData& plan, std::int32_t pair, const SpherePair& s,
   row.along = along;
 }
 
+// Place of the sphere's surface that touches; its velocity as the two materials have it there, one seen from the other;
+// that across the normal.
+Vec3 calc_touched(const SpherePair& s) { return s.d.centre - s.radius * s.d.normal; }
+Vec3 calc_touching(const SpherePair& s) {
+  const Vec3 place = calc_touched(s);
+  return calc_place_velocity(s.carrier, place) - calc_place_velocity(s.other, place);
+}
+Vec3 calc_slip(const SpherePair& s) {
+  const Vec3 u = calc_touching(s);
+  return u - dot(s.d.normal, u) * s.d.normal;
+}
+
 // A unit vector across n: along the reference, or in any direction.
 Vec3 choose_across(const Vec3& n, const Vec3& reference) {
   const Vec3 along = reference - dot(n, reference) * n;
@@ -121,6 +133,7 @@ bool calc_rigid_row(const PlanData& plan, std::int32_t pair, const BodyFrame& ba
   const Vec3 arm = d.centre - s.carrier.p, other_arm = d.centre - s.other.p;
   row.gap = d.distance;
   row.rate = dot(d.normal, s.u);
+  row.slip = norm(calc_slip(s));
   row.bias = dot(d.normal, calc_centripetal(s.carrier, arm) - calc_centripetal(s.other, other_arm) -
                                2.0 * cross(s.other.w, s.u) + cross(s.carrier.w - s.other.w, s.slide)) +
              dot(s.u, s.normal_rate);
@@ -132,9 +145,7 @@ void calc_slip_rows(const PlanData& plan, const ContactState& state, const Vec3&
   const std::int32_t pair = rows[0].pair;
   const SpherePair s = calc_sphere_pair(plan, pair, base, follower);
   const Vec3& n = s.d.normal;
-  const Vec3 place = s.d.centre - s.radius * n;
-  const Vec3 of_carrier = calc_place_velocity(s.carrier, place), of_other = calc_place_velocity(s.other, place);
-  const Vec3 slip = of_carrier - of_other;
+  const Vec3 place = calc_touched(s), slip = calc_touching(s);
   const Vec3 way =
       calc_place_velocity(s.carrier, s.d.centre) + s.slide - s.radius * (cross(s.other.w, n) + s.normal_rate);  // c'
   const Vec3 carried =
