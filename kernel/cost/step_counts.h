@@ -77,7 +77,9 @@ inline std::int64_t count_jumps(const PlanData& plan, std::span<const FiredEvent
 inline std::int64_t count_waits(const PlanData& plan, std::span<const EventState> before,
                                 std::span<const EventState> after, std::span<const FiredEvent> fired) {
   const auto waits = [](const EventState& own) { return own.phase == EventPhase::kPending; };
-  const auto began = [&](std::size_t e) { return waits(after[e]) && !(waits(before[e]) && before[e].due == after[e].due); };
+  const auto began = [&](std::size_t e) {
+    return waits(after[e]) && !(waits(before[e]) && before[e].due == after[e].due);
+  };
   const auto begins_with = [&](std::size_t a, std::size_t b) {
     return std::fabs((after[a].due - plan.events[a].delay) - (after[b].due - plan.events[b].delay)) <= plan.get_slack();
   };
