@@ -370,14 +370,15 @@ StepLimits get_counted_limits(const Plan& owner, const StepCounts& counts) noexc
   limits.jumps = all_audited ? std::min(counts.jumps, limits.rounds) : most.jumps;
   // The last rounds of rigid contacts have no audit, one at each instant at most.
   limits.waits = std::min(most.waits, plan.rigid_pairs > 0 ? 1 + integrations : counts.waits);
-  limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
-  // Where nothing else splits a step, each split has a round. One that is searched for takes two tries at least, after
-  // the one that showed it.
+  // A split that is searched for takes two tries at least, after the one that showed it.
   constexpr std::int64_t kLeast = 3;
+  const std::int64_t timed = std::min(counts.timed, integrations - 1);
+  const std::int64_t splits = timed + (integrations - 1 - timed) / kLeast;
+  if (plan.rigid_pairs == 0) limits.waits = std::min(limits.waits, 1 + splits);
+  limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
+  // Where nothing else splits a step, each split has a round.
   if (plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits) {
-    const std::int64_t timed = std::min(counts.timed, integrations - 1), located = (integrations - 1 - timed) / kLeast;
-    limits.parts = limits.sub_steps =
-        std::min({limits.sub_steps, 1 + timed + located, 1 + counts.rounds + limits.waits});
+    limits.parts = limits.sub_steps = std::min({limits.sub_steps, 1 + splits, 1 + counts.rounds + limits.waits});
   }
   limits.tries = integrations;
   limits.searches = integrations - limits.sub_steps;

@@ -2,6 +2,7 @@
 // which events only began to wait, and rounds after which velocities may jump. No allocation: targets count, too.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -72,11 +73,16 @@ inline std::int64_t count_jumps(const PlanData& plan, std::span<const FiredEvent
 }
 
 // Rounds in which events began to wait for their delays, at most: what began to wait has acted or waits still, and
-// events that wait equally long until one time began together. `before`, `after`: State::events around the step.
+// what waits since one time began together. `before`, `after`: State::events around the step.
 inline std::int64_t count_waits(const PlanData& plan, std::span<const EventState> before,
                                 std::span<const EventState> after, std::span<const FiredEvent> fired) {
   const auto waits = [](const EventState& own) { return own.phase == EventPhase::kPending; };
-  const auto began = [&](std::size_t e) { return waits(after[e]) && !(waits(before[e]) && before[e].due == after[e].due); };
+  const auto began = [&](std::size_t e) {
+    return waits(after[e]) && !(waits(before[e]) && before[e].due == after[e].due);
+  };
+  const auto begins_with = [&](std::size_t a, std::size_t b) {
+    return std::fabs((after[a].due - plan.events[a].delay) - (after[b].due - plan.events[b].delay)) <= plan.get_slack();
+  };
   std::int64_t count = 0;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     if (!(plan.events[e].delay > 0)) continue;
@@ -84,7 +90,7 @@ inline std::int64_t count_waits(const PlanData& plan, std::span<const EventState
     for (const FiredEvent& one : fired) own += at(one.event) == e ? 1 : 0;
     bool together = false;
     for (std::size_t other = 0; began(e) && other < e && !together; ++other)
-      together = began(other) && after[other].due == after[e].due && plan.events[other].delay == plan.events[e].delay;
+      together = began(other) && begins_with(other, e);
     count += own - (together ? 1 : 0);
   }
   return count;

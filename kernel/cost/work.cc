@@ -337,7 +337,8 @@ class LoadCount {
       Work& own = of_elements[e];
       if (predecessors_[e] != kNone) {  // never together: the one that has more
         Work& other = of_elements[at(predecessors_[e])];
-        for (std::size_t i = 0; i < kUnits; ++i) own.counts[i] = std::max(own.counts[i], std::exchange(other.counts[i], 0));
+        for (std::size_t i = 0; i < kUnits; ++i)
+          own.counts[i] = std::max(own.counts[i], std::exchange(other.counts[i], 0));
       }
     }
     for (const Work& own : of_elements)

@@ -65,8 +65,7 @@ std::size_t init_commands(const Plan& plan, bool recorded) {
   constexpr double kNextToNothing = 1e-9;
   const std::span<const double> initial = plan.get_initial_commands();
   const std::size_t count = std::min(initial.size(), commands.size());
-  for (std::size_t i = 0; i < count; ++i)
-    commands[i] = initial[i] == 0 && !recorded ? kNextToNothing : initial[i];
+  for (std::size_t i = 0; i < count; ++i) commands[i] = initial[i] == 0 && !recorded ? kNextToNothing : initial[i];
   return count;
 }
 

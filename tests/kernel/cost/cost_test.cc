@@ -108,8 +108,8 @@ TEST(StepLimits, WhereEventsAloneSplitAStepEachSplitHasItsRound) {
   EXPECT_EQ(limits.searches, 7);
 }
 
-// A joint that an event sets from its first mode, with rows, to its second one, with fewer; `back`: another event sets it
-// back at a time, in whatever mode it is.
+// A joint that an event sets from its first mode, with rows, to its second one, with fewer; `back`: another event sets
+// it back at a time, in whatever mode it is.
 Model build_release(bool back) {
   Model model;
   model.bodies = {box("a", 1, 1, 1, 1), box("b", 1, 1, 1, 1)};
@@ -175,8 +175,8 @@ TEST(StepCost, ItGrowsWithEveryLimit) {
   const CostTarget& target = *list_cost_targets().front();
   const StepLimits one;
   const double least = calc_step_cost(plan, target, one).instructions;
-  for (std::int64_t StepLimits::*limit : {&StepLimits::sub_steps, &StepLimits::tries, &StepLimits::rounds, &StepLimits::waits,
-                                           &StepLimits::jumps}) {
+  for (std::int64_t StepLimits::*limit :
+       {&StepLimits::sub_steps, &StepLimits::tries, &StepLimits::rounds, &StepLimits::waits, &StepLimits::jumps}) {
     StepLimits more = one;
     more.*limit += 1;
     EXPECT_GT(calc_step_cost(plan, target, more).instructions, least);
