@@ -115,8 +115,11 @@ class Search {
     const auto get = [&](const OptimizeResult& result) -> const OptimizeSample& {
       return evaluations_.get_samples()[result.best];
     };
-    if (is_confirmed(other))
-      return is_confirmed(later) && merit_.scale(get(later)).objectives[0] < merit_.scale(get(other)).objectives[0];
+    if (is_confirmed(other)) {
+      const double now = merit_.scale(get(later)).objectives[0], before = merit_.scale(get(other)).objectives[0];
+      const bool is_surer = other.has_room && !later.has_room;  // the same, and nothing better was left beside it
+      return is_confirmed(later) && (now < before || (now == before && is_surer));
+    }
     const bool may_stand = other.feasible && !other.check->has(DispersedCheck::Verdict::kRefuted);
     return later.feasible || !may_stand;
   }
