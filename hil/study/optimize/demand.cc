@@ -24,7 +24,7 @@ std::int64_t choose_coarse(const OptimizeProblem& problem, const OptimizeDemand&
   return kWorth * flights <= demand.flights ? flights : 0;
 }
 
-double calc_confirmable(double allowed, std::int64_t samples) {
+double calc_confirmable(double allowed, std::int64_t samples, double deviations) {
   const auto confirms = [&](std::int64_t failed) { return calc_clopper_pearson(failed, samples).high <= allowed; };
   if (!confirms(0)) return 0;
   std::int64_t low = 0, high = samples;  // the first is confirmed, the second is not
@@ -33,7 +33,7 @@ double calc_confirmable(double allowed, std::int64_t samples) {
     (confirms(middle) ? low : high) = middle;
   }
   const auto most = static_cast<double>(low);
-  return std::max(0.0, most - 2 * std::sqrt(most)) / static_cast<double>(samples);
+  return std::max(0.0, most - deviations * std::sqrt(most)) / static_cast<double>(samples);
 }
 
 }  // namespace unlatch::hil

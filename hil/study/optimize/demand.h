@@ -31,7 +31,9 @@ std::int64_t choose_coarse(const OptimizeProblem& problem, const OptimizeDemand&
 inline constexpr double kCoarseFailures = 4;
 
 // Probability of failure that so many samples almost surely show to be allowed: their greatest count of failures whose
-// upper bound (Clopper and Pearson 1934, 95 %) is within `allowed`, less twice its standard deviation.
-double calc_confirmable(double allowed, std::int64_t samples);
+// upper bound (Clopper and Pearson 1934, 95 %) is within `allowed`, less twice its standard deviation. With fewer
+// `deviations` less surely: with none half of the sets of samples show it.
+inline constexpr double kSure = 2;
+double calc_confirmable(double allowed, std::int64_t samples, double deviations = kSure);
 
 }  // namespace unlatch::hil

@@ -40,11 +40,10 @@ void DispersedPoint::keep(std::int64_t sample, const SampleResult& result) {
   }
 }
 
-double DispersedPoint::calc_margin(std::size_t constraint, double part) const {
+std::vector<double> DispersedPoint::sort_margins(std::size_t constraint) const {
   std::vector<double> sorted = margins_[constraint];
   std::sort(sorted.begin(), sorted.end());
-  const double margin = calc_quantile(sorted, 1 - part);
-  return std::isfinite(margin) ? margin : std::nan("");
+  return sorted;
 }
 
 double DispersedPoint::get_limit(std::size_t constraint) const {
@@ -60,10 +59,13 @@ std::int64_t DispersedPoint::count_failures(std::size_t constraint) const {
 
 std::int64_t DispersedPoint::count_unresolved() const { return std::ranges::count(unresolved_, char{1}); }
 
-std::optional<Interval> DispersedPoint::calc_margin_interval(std::size_t constraint, double part) const {
-  std::vector<double> sorted = margins_[constraint];
-  std::sort(sorted.begin(), sorted.end());
-  return calc_quantile_interval(sorted, 1 - part);
+double calc_margin(const std::vector<double>& sorted, double part) {
+  const double margin = calc_quantile(sorted, 1 - part);
+  return std::isfinite(margin) ? margin : std::nan("");
+}
+
+DispersedMargin describe_margin(const std::vector<double>& sorted, double part) {
+  return {calc_margin(sorted, part), calc_quantile_interval(sorted, 1 - part)};
 }
 
 bool has_probabilities(const OptimizeProblem& problem) {

@@ -20,13 +20,11 @@ class DispersedPoint {
   // a time. A sample that fails misses all constraints. False: `stop` ended them.
   bool fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop);
 
-  // Margin of a constraint with a probability, after all samples: the margin that this part of them reaches; NaN if it
-  // depends on a sample without a result.
-  [[nodiscard]] double calc_margin(std::size_t constraint, double part) const;
+  // Margins of a constraint with a probability, after all samples, from the least up; -infinity: a sample without a
+  // result.
+  [[nodiscard]] std::vector<double> sort_margins(std::size_t constraint) const;
   // Limit of a constraint with a probability in the campaign's scenario with this design.
   [[nodiscard]] double get_limit(std::size_t constraint) const;
-  // Interval of that margin, 95 %; nothing: there are too few samples for one.
-  [[nodiscard]] std::optional<Interval> calc_margin_interval(std::size_t constraint, double part) const;
   // Samples that fail a constraint, without the unresolved ones, which may fail it or not.
   [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
   [[nodiscard]] std::int64_t count_unresolved() const;
@@ -40,6 +38,16 @@ class DispersedPoint {
   std::vector<std::vector<double>> margins_;  // [constraint][sample]; empty: constraint of the nominal run
   std::vector<char> unresolved_;              // by sample; of threads that write neighbours
 };
+
+// The margin that this part of the samples reaches; NaN if it depends on a sample without a result.
+double calc_margin(const std::vector<double>& sorted, double part);
+
+// That margin with its interval, 95 %; nothing: there are too few samples for one.
+struct DispersedMargin {
+  double margin = 0;
+  std::optional<Interval> interval{};
+};
+DispersedMargin describe_margin(const std::vector<double>& sorted, double part);
 
 bool has_probabilities(const OptimizeProblem& problem);
 

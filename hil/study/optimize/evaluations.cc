@@ -50,7 +50,7 @@ void set_margins(const OptimizeProblem& problem, const DispersedPoint& design, O
   for (std::size_t k = 0; k < problem.constraints.size(); ++k) {
     const OptimizeConstraint& constraint = problem.constraints[k];
     if (!(constraint.probability > 0)) continue;
-    const double margin = design.calc_margin(k, sample.demand.parts[k]);
+    const double margin = calc_margin(design.sort_margins(k), sample.demand.parts[k]);
     sample.margins[k] = margin;
     sample.values[k] = design.get_limit(k) + (constraint.at_least ? margin : -margin);
   }
@@ -301,18 +301,18 @@ std::unique_ptr<DispersedPoint> OptimizeEvaluations::fly(const OptimizePoint& po
   }
 }
 
-std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point,
-                                                                   std::uint64_t round) const {
-  return problem_.campaign ? check(point, round, kMoreChecks * problem_.campaign->checks) : std::nullopt;
+std::optional<DispersedCheck> OptimizeEvaluations::check_dispersed(const OptimizePoint& point, std::uint64_t round,
+                                                                   const std::vector<double>& rooms) const {
+  return problem_.campaign ? check(point, round, kMoreChecks * problem_.campaign->checks, rooms) : std::nullopt;
 }
 
 std::optional<DispersedCheck> OptimizeEvaluations::check_once(const OptimizePoint& point, std::uint64_t round) const {
-  return problem_.campaign ? check(point, round, problem_.campaign->checks) : std::nullopt;
+  return problem_.campaign ? check(point, round, problem_.campaign->checks, {}) : std::nullopt;
 }
 
-// `most`: samples beyond which no open verdict is pursued.
+// `most`: samples beyond which nothing that is open is pursued.
 std::optional<DispersedCheck> OptimizeEvaluations::check(const OptimizePoint& point, std::uint64_t round,
-                                                         std::int64_t most) const {
+                                                         std::int64_t most, const std::vector<double>& rooms) const {
   constexpr std::uint64_t kStreamsEach = 3;  // 1, 4 and 16 times as many
   constexpr std::int64_t kMore = 4, kMostChecks = 1'000'000;
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
@@ -323,6 +323,7 @@ std::optional<DispersedCheck> OptimizeEvaluations::check(const OptimizePoint& po
     if (!design) return std::nullopt;
     check.unresolved = design->count_unresolved();
     check.constraints.assign(problem_.constraints.size(), {});
+    bool is_open = false;
     for (std::size_t k = 0; k < problem_.constraints.size(); ++k) {
       const double probability = problem_.constraints[k].probability, allowed = 1 - probability;
       if (!(probability > 0)) continue;
@@ -333,29 +334,26 @@ std::optional<DispersedCheck> OptimizeEvaluations::check(const OptimizePoint& po
       one.verdict = one.bounds.high <= allowed ? DispersedCheck::Verdict::kConfirmed
                     : one.bounds.low > allowed ? DispersedCheck::Verdict::kRefuted
                                                : DispersedCheck::Verdict::kOpen;
+      one.margins = design->sort_margins(k);
+      one.margin = describe_margin(one.margins, probability);
+      const auto& interval = one.margin.interval;
+      is_open = is_open || one.verdict == DispersedCheck::Verdict::kOpen ||
+                (k < rooms.size() && std::isfinite(rooms[k]) && one.verdict == DispersedCheck::Verdict::kConfirmed &&
+                 (!interval || (interval->low <= rooms[k] && interval->high > rooms[k])));
     }
     const bool is_most = check.samples >= most || check.samples > kMostChecks / kMore;
-    if (!check.has(DispersedCheck::Verdict::kOpen) || is_most) return check;
+    if (!is_open || is_most) return check;
   }
 }
 
-std::vector<std::optional<Interval>> OptimizeEvaluations::calc_margin_intervals(const OptimizePoint& point) const {
-  std::vector<std::optional<Interval>> intervals(problem_.constraints.size());
-  const std::unique_ptr<const DispersedPoint> design =
-      has_probabilities(problem_) ? fly(point, {demand_.flights, 0}) : nullptr;
-  for (std::size_t k = 0; k < intervals.size() && design; ++k)
-    if (problem_.constraints[k].probability > 0) intervals[k] = design->calc_margin_interval(k, demand_.parts[k]);
-  return intervals;
-}
-
-std::optional<std::vector<std::int64_t>> OptimizeEvaluations::count_failures(const OptimizePoint& point,
-                                                                             std::int64_t flights) const {
+std::optional<std::vector<std::vector<double>>> OptimizeEvaluations::fly_margins(const OptimizePoint& point,
+                                                                                 std::int64_t flights) const {
   const std::unique_ptr<const DispersedPoint> design = fly(point, {flights, 0});
   if (!design) return std::nullopt;
-  std::vector<std::int64_t> failures(problem_.constraints.size());
-  for (std::size_t k = 0; k < failures.size(); ++k)
-    if (problem_.constraints[k].probability > 0) failures[k] = design->count_failures(k) + design->count_unresolved();
-  return failures;
+  std::vector<std::vector<double>> margins(problem_.constraints.size());
+  for (std::size_t k = 0; k < margins.size(); ++k)
+    if (problem_.constraints[k].probability > 0) margins[k] = design->sort_margins(k);
+  return margins;
 }
 
 // Takes results from the journal, which has the same points in the same order, as far as it reaches. Keeps in `points`

@@ -33,13 +33,16 @@ struct OptimizeSample {
 };
 
 // A design flown with samples that no search has seen, and the verdict on each constraint with a probability: by the
-// bounds of its probability of failure (Clopper-Pearson, 95 %), which hold whatever the unresolved samples are.
+// bounds of its probability of failure (Clopper-Pearson, 95 %), which hold whatever the unresolved samples are. The
+// margin is the one that the wanted part of these samples reaches, whatever part the search has asked for.
 struct DispersedCheck {
   enum class Verdict { kConfirmed, kOpen, kRefuted };
   struct Constraint {
     std::int64_t failed = 0;
     Interval bounds;
     Verdict verdict = Verdict::kConfirmed;
+    std::vector<double> margins{};  // of these samples, from the least up
+    DispersedMargin margin{};
   };
   std::int64_t samples = 0, unresolved = 0;
   std::vector<Constraint> constraints;  // of every constraint; those without a probability are confirmed
@@ -76,20 +79,20 @@ class OptimizeEvaluations {
   // budget is used up, or `stop` was set, and some are missing (-1); earlier results are kept. Throws JournalError.
   bool evaluate(const std::vector<OptimizePoint>& points, std::vector<std::int64_t>& indices);
 
-  // Flies a design with fresh samples, others for each `round`. While some verdict is open, up to kMoreChecks times
-  // more of them, each time four times as many new ones. Nothing: no constraint has a probability, the design has a
+  // Flies a design with fresh samples, others for each `round`. While some verdict is open, or it is open whether a
+  // margin is above that of `rooms`, up to kMoreChecks times more of them, each time four times as many new ones.
+  // `rooms`: by constraint; infinite ones are never open. Nothing: no constraint has a probability, the design has a
   // mistake, or `stop` was set.
-  [[nodiscard]] std::optional<DispersedCheck> check_dispersed(const OptimizePoint& point, std::uint64_t round) const;
+  [[nodiscard]] std::optional<DispersedCheck> check_dispersed(const OptimizePoint& point, std::uint64_t round,
+                                                              const std::vector<double>& rooms) const;
   // Likewise with the campaign's `checks` fresh samples, whatever the verdict: for the points of a front, each with a
   // round of its own.
   [[nodiscard]] std::optional<DispersedCheck> check_once(const OptimizePoint& point, std::uint64_t round) const;
   static constexpr std::int64_t kMoreChecks = 16;
-  // Intervals of the margins of the constraints with a probability, by the samples of the search.
-  [[nodiscard]] std::vector<std::optional<Interval>> calc_margin_intervals(const OptimizePoint& point) const;
-  // Samples of the search, so many, that fail each constraint with a probability, with the unresolved ones. Nothing:
-  // the design has a mistake, or `stop` was set.
-  [[nodiscard]] std::optional<std::vector<std::int64_t>> count_failures(const OptimizePoint& point,
-                                                                        std::int64_t flights) const;
+  // Margins of each constraint with a probability, from the least up, by the first samples of the search, so many.
+  // Nothing: the design has a mistake, or `stop` was set.
+  [[nodiscard]] std::optional<std::vector<std::vector<double>>> fly_margins(const OptimizePoint& point,
+                                                                            std::int64_t flights) const;
 
   // Sets what is asked of the designs to come; those with another demand are other samples.
   void set_demand(OptimizeDemand demand) { demand_ = std::move(demand); }
@@ -118,8 +121,8 @@ class OptimizeEvaluations {
   };
   class Batch;
 
-  [[nodiscard]] std::optional<DispersedCheck> check(const OptimizePoint& point, std::uint64_t round,
-                                                    std::int64_t most) const;
+  [[nodiscard]] std::optional<DispersedCheck> check(const OptimizePoint& point, std::uint64_t round, std::int64_t most,
+                                                    const std::vector<double>& rooms) const;
   [[nodiscard]] std::unique_ptr<DispersedPoint> fly(const OptimizePoint& point, const OptimizeFlights& flights) const;
   void run(std::span<OptimizeSample> samples) const;
   void keep(const SampleResult& result, OptimizeSample& sample) const;

@@ -39,41 +39,133 @@ class Search {
     confirm(found);
     check_front();
     result_.late = evaluations_.is_late();
+    result_.search_count = search_count_;
     if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
     if (!evaluations_.was_stopped()) evaluations_.finish_journal();
     return result_;
   }
 
  private:
-  // Flies the result with fresh samples. Where they do not confirm the search's verdict, it goes on from there with the
-  // next demand, and as many runs again. A result that is neither confirmed nor refuted stays if that finds none.
+  // Flies the result with fresh samples. Where they do not confirm the search's verdict, or leave room at its limits,
+  // it goes on from there with the next demand, and as many runs again. The best of the results that they confirm
+  // stays; if there is none, one that is neither confirmed nor refuted stays if the next search finds none.
   void confirm(const std::function<void(const OptimizePoint&)>& found) {
     if (!has_probabilities(problem_)) return;
     result_.flights = evaluations_.get_demand().flights;
+    std::optional<OptimizeResult> kept;  // the best confirmed one, or else the last one that may be
+    OptimizeDemand kept_demand;
+    bool hopes = false;  // the last search asked for less than what fresh samples surely confirm
     for (std::uint64_t round = 0; !evaluations_.was_stopped(); ++round) {
-      const OptimizePoint best = evaluations_.get_samples()[result_.best].point;
+      const OptimizePoint best = get_result_sample().point;
       found(best);
-      result_.check = evaluations_.check_dispersed(best, round);
-      if (!result_.check || problem_.objectives.size() > 1 || evaluations_.is_late() || round >= kRounds) break;
-      if (!result_.feasible && result_.against.empty()) break;  // a result is missing, no constraint
-      const std::optional<OptimizeDemand> next = choose_demand(
-          problem_, evaluations_, evaluations_.get_samples()[result_.best], result_.against, *result_.check);
+      result_.check = evaluations_.check_dispersed(best, round, list_rooms());
+      if (!result_.check || problem_.objectives.size() > 1) break;
+      const std::vector<std::size_t> against = result_.against;
+      const bool denied = !against.empty() && is_denied_by_search_alone(problem_, get_result_sample(), *result_.check);
+      if (denied) {
+        result_.feasible = result_.has_room = true;
+        result_.violation = {};
+        result_.against.clear();
+      } else {
+        result_.has_room = has_room();
+      }
+      if (!kept || is_rather(result_, *kept)) {
+        kept = result_;
+        kept_demand = evaluations_.get_demand();
+      } else if (!result_.feasible || is_confirmed(result_)) {
+        break;  // with this demand there is nothing, or nothing better
+      }
+      if (evaluations_.is_late() || round >= kRounds) break;
+      if (!result_.feasible && against.empty()) break;  // a result is missing, no constraint
+      const std::optional<double> room = is_confirmed(result_) ? find_room() : std::nullopt;
+      // A search that asks for less than what is surely confirmed is made once from each result.
+      if (hopes && !is_confirmed(result_)) break;
+      hopes = room && *room < kSure;
+      const std::optional<OptimizeDemand> next =
+          choose_demand(problem_, evaluations_, get_result_sample(), against, room, *result_.check);
       if (!next) break;
-      const OptimizeResult before = result_;
-      const OptimizeDemand demand = evaluations_.get_demand();
+      const OptimizeDemand now = evaluations_.get_demand();
       evaluations_.set_demand(*next);
-      const bool flown = search_again(best);
-      if (flown) take_best();
-      const bool keeps = before.feasible && !before.check->has(DispersedCheck::Verdict::kRefuted);
-      if (flown && (result_.feasible || !keeps)) continue;
-      result_ = before;
-      result_.search_runs = evaluations_.get_runs();
-      if (evaluations_.was_stopped()) result_.end = OptimizeResult::End::kStopped;
-      evaluations_.set_demand(demand);
-      break;
+      if (!search_again(best)) {
+        evaluations_.set_demand(now);
+        break;
+      }
+      take_best();
     }
-    if (!evaluations_.was_stopped())
-      result_.intervals = evaluations_.calc_margin_intervals(evaluations_.get_samples()[result_.best].point);
+    if (kept && problem_.objectives.size() == 1) {
+      const std::int64_t runs = evaluations_.get_runs();
+      if (!result_.check || !is_rather(result_, *kept)) {
+        result_ = *kept;
+        result_.search_runs = runs;
+        evaluations_.set_demand(kept_demand);
+      }
+      if (evaluations_.was_stopped()) result_.end = OptimizeResult::End::kStopped;
+    }
+    if (evaluations_.was_stopped()) return;
+    describe_margins();
+  }
+
+  [[nodiscard]] const OptimizeSample& get_result_sample() const { return evaluations_.get_samples()[result_.best]; }
+  [[nodiscard]] static bool is_confirmed(const OptimizeResult& result) {
+    return result.feasible && result.check && !result.check->has(DispersedCheck::Verdict::kOpen) &&
+           !result.check->has(DispersedCheck::Verdict::kRefuted);
+  }
+  // Returns true if a later result replaces another: it is confirmed and better, or the other may not stand.
+  [[nodiscard]] bool is_rather(const OptimizeResult& later, const OptimizeResult& other) const {
+    const auto get = [&](const OptimizeResult& result) -> const OptimizeSample& {
+      return evaluations_.get_samples()[result.best];
+    };
+    if (is_confirmed(other)) {
+      const double now = merit_.scale(get(later)).objectives[0], before = merit_.scale(get(other)).objectives[0];
+      const bool is_surer = other.has_room && !later.has_room;  // the same, and nothing better was left beside it
+      return is_confirmed(later) && (now < before || (now == before && is_surer));
+    }
+    const bool may_stand = other.feasible && !other.check->has(DispersedCheck::Verdict::kRefuted);
+    return later.feasible || !may_stand;
+  }
+
+  // A limit with a probability ends the search: there is nothing better on its other side.
+  [[nodiscard]] bool is_at_limit(std::size_t constraint) const {
+    return problem_.constraints[constraint].probability > 0 && !list_continuous(problem_).empty() && result_.feasible &&
+           get_result_sample().margins[constraint] <= kAtLimit * merit_.constraint_scale(constraint);
+  }
+  [[nodiscard]] std::vector<double> list_rooms() const {
+    std::vector<double> rooms;
+    for (std::size_t i = 0; i < problem_.constraints.size(); ++i)
+      rooms.push_back(is_at_limit(i) ? kRoom * merit_.constraint_scale(i) : HUGE_VAL);
+    return rooms;
+  }
+  // Fresh samples leave room at the wanted probability.
+  [[nodiscard]] bool has_room() const {
+    for (std::size_t i = 0; i < problem_.constraints.size(); ++i)
+      if (is_at_limit(i) && is_confirmed(result_) &&
+          result_.check->constraints[i].margin.margin > kRoom * merit_.constraint_scale(i))
+        return true;
+    return false;
+  }
+  // They leave room that a better design may use and be confirmed: with how many deviations, the surest first.
+  [[nodiscard]] std::optional<double> find_room() const {
+    for (const double deviations : {kSure, 1.0, 0.0})
+      for (std::size_t i = 0; i < problem_.constraints.size(); ++i)
+        if (is_at_limit(i) &&
+            calc_room(problem_, i, *result_.check, deviations) > kWorthARoom * merit_.constraint_scale(i))
+          return deviations;
+    return std::nullopt;
+  }
+
+  // By the samples of the search where no others were flown, at the wanted probabilities all the same.
+  void describe_margins() {
+    result_.margins.assign(problem_.constraints.size(), std::nullopt);
+    const auto flown = result_.check
+                           ? std::nullopt
+                           : evaluations_.fly_margins(get_result_sample().point, evaluations_.get_demand().flights);
+    if (!result_.check && !flown) return;
+    for (std::size_t i = 0; i < problem_.constraints.size(); ++i) {
+      const double probability = problem_.constraints[i].probability;
+      if (!(probability > 0)) continue;
+      result_.margins[i] =
+          result_.check ? result_.check->constraints[i].margin : describe_margin((*flown)[i], probability);
+    }
   }
 
   // Flies each point of a front with fresh samples, until the budget's seconds are over.
@@ -95,6 +187,7 @@ class Search {
     evaluations_.set_limit(end_);
     std::vector<std::int64_t> first;
     if (!evaluations_.evaluate({from}, first)) return false;
+    ++search_count_;
     result_.flights = evaluations_.get_demand().flights;
     result_.check.reset();
     whole_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
@@ -455,6 +548,8 @@ class Search {
   }
 
   static constexpr std::uint64_t kRounds = 8;     // of other demands, at most
+  static constexpr double kWorthARoom = 0.01;     // relative to the limit: so much is worth another search
+  static constexpr double kAtLimit = 0.01;        // relative to the limit
   static constexpr double kLargest = 10;          // largest violation in the range of t
   static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
   static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start
@@ -470,7 +565,8 @@ class Search {
   OptimizeResult result_;
   Best whole_, own_;                         // of all samples, and of the local search
   std::int64_t end_ = problem_.budget.runs;  // number of runs at which the local search ends
-  double least_violation_ = HUGE_VAL;        // result of a search of the least violation that has converged
+  std::int64_t search_count_ = 1;
+  double least_violation_ = HUGE_VAL;  // result of a search of the least violation that has converged
 };
 
 }  // namespace

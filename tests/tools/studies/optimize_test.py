@@ -345,7 +345,7 @@ class OptimizeTest(ProcessTest):
         self.assertGreater(confirmed, 1)
         self.assertLess(confirmed, 1.012)
         part = result["constraints"][0]["part"]
-        self.assertTrue(0.9 <= part < 0.96, part)
+        self.assertTrue(0.88 <= part < 0.96, part)
         settings = [f"--set=elements.p{x}.profile={result['variables'][v]['value']!r}" for x, v in (("x", "a"), ("y", "b"))]
         done = subprocess.run([UNLATCH, "campaign", self.folder / "c.yaml", "--out", self.folder / "d", "--json", "-", *settings],
                               capture_output=True, text=True)
@@ -355,8 +355,9 @@ class OptimizeTest(ProcessTest):
         at = (1 - part) * 199
         quantile = margins[int(at)] + (at - int(at)) * (margins[int(at) + 1] - margins[int(at)])
         self.assertEqual(column["count"], 200)
-        self.assertAlmostEqual(result["constraints"][0]["margin"], quantile, delta=1e-14)
+        self.assertAlmostEqual(result["constraints"][0]["search_margin"], quantile, delta=1e-14)
         checked = result["verification"]["dispersed"][0]
+        self.assert_values_are_of_the_wanted_probability(result)
         self.assertIn(checked["samples"], (2000, 8000, 32000))  # as long as it is open there are more, up to 16 times as many
         self.assertLessEqual(checked["probability"][1], 0.1)
         self.assertEqual((checked["verdict"], result["constraints"][0]["verdict"]), ("confirmed", "confirmed"))
@@ -367,6 +368,54 @@ class OptimizeTest(ProcessTest):
         failing = (statistics.NormalDist().cdf(3) - statistics.NormalDist().cdf(heavy)) / inside
         self.assertLess(failing, 0.1)
         self.assertTrue(checked["probability"][0] <= failing <= checked["probability"][1])
+
+    def assert_values_are_of_the_wanted_probability(self, result):
+        """Value, margin and interval are those of the fresh samples: no interval contradicts their verdict."""
+        for one in result["constraints"]:
+            low, high = one["margin_interval"]
+            self.assertTrue(low <= one["margin"] <= high, one)
+            self.assertAlmostEqual(one["value"] - one["limit"], one["margin"], delta=1e-12)
+            self.assertEqual(one["verdict"], "confirmed" if low >= 0 else "refuted" if high < 0 else "open")
+            self.assertEqual(one["met"], low >= 0)
+            self.assertEqual(result["status"] == "undecided", low < 0 <= high)
+
+    # The search asks for all of its samples so that others confirm it: what is told is of the wanted probability.
+    def test_values_of_a_probability_are_those_of_the_wanted_one_by_fresh_samples(self):
+        for seed in 1, 2:
+            self.write_campaign(64, seed=seed)
+            (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms", "dt: 500 ms"))  # exact with any step
+            result = self.optimize(PROBLEM + "campaign: {file: c.yaml, samples: 32, checks: 400, most: 128}\nbudget: {runs: 60}\n"
+                                   "constraints: [{requirement: far, probability: 0.9}]\n", f"o{seed}", code=None)
+            self.assertIn(result["status"], ("optimal", "undecided", "not-converged", "budget"))
+            self.assert_values_are_of_the_wanted_probability(result)
+            # m is uniform from 0.9 to 1.1 kg; the push reaches 1 m up to this mass.
+            reach = (result["variables"]["a"]["value"] + result["variables"]["b"]["value"]) / 8 ** 0.5
+            quantile = reach / (0.9 + 0.2 * 0.9) - 1
+            low, high = result["constraints"][0]["margin_interval"]
+            self.assertTrue(low - 1e-3 <= quantile <= high + 1e-3, (low, quantile, high))
+
+    # Four blocks in a hundred are 45 % heavier: five in a hundred may fail, so these need not be moved. By few samples
+    # more than five in a hundred are heavy in every second search, and the push for all of them costs twice as much.
+    def test_a_search_ends_near_the_optimum_though_none_of_its_samples_fails_or_says_that_it_has_not_converged(self):
+        (self.folder / "s.yaml").write_text(
+            SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 100 ms, until: 0.2 s").replace("at_least: 1 m", "at_least: 40 mm")
+            .replace("mass: 1 kg", "mass: 1 kg * k * q") + "constants: {k: 1, q: 1}\n")
+        beyond = 1 + 0.01 * statistics.NormalDist().inv_cdf(1 - 0.01 / 0.96)
+        statuses = []
+        for seed in range(1, 4):
+            (self.folder / "c.yaml").write_text(
+                f"unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 64\nseed: {seed}\nparameters:\n"
+                "  k: {path: constants.k, discrete: {values: [1, 1.45], weights: [0.96, 0.04]}}\n"
+                "  q: {path: constants.q, normal: {mean: 1, sigma: 0.01}}\n")
+            result = self.optimize(PROBLEM.replace("5 N", "8 N") + "campaign: {file: c.yaml, samples: 64, checks: 256, most: 256}\nbudget: {runs: 200}\n"
+                                   "constraints: [{requirement: far, probability: 0.95}]\n", f"o{seed}", code=None)
+            statuses.append(result["status"])
+            self.assertIn(result["status"], ("optimal", "not-converged", "undecided", "budget"))
+            if result["status"] == "optimal":
+                cost = result["objectives"][0]["value"] / (6.4 * beyond ** 2)
+                self.assertTrue(1 <= cost < 1.05, (seed, cost))
+                self.assert_values_are_of_the_wanted_probability(result)
+        self.assertIn("optimal", statuses)
 
     # One push of two: light enough for three in four blocks, or far too strong a demand for any. No search can move the
     # probability of failure away from the allowed one, so that no number of samples decides.
@@ -480,11 +529,9 @@ class OptimizeTest(ProcessTest):
             result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, most: 10, checks: 4000}\n"
                                    "constraints: [{requirement: far, probability: 0.4}]\n", f"o{seed}", code=None)
             statuses.add(result["status"])
-            if result["status"] != "undecided":
-                continue
             self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "confirmed")
-            self.assertIn("too few to decide", result["violation"]["why"])
-        self.assertEqual(statuses, {"optimal", "undecided"})
+            self.assert_values_are_of_the_wanted_probability(result)
+        self.assertEqual(statuses, {"optimal"})  # the verdict is that of the others, whatever the ten say
         for seed in range(1, 7):  # the sample grows until fresh ones agree
             self.write_campaign(10, seed=seed)
             result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"

@@ -9,13 +9,14 @@ byId('title').textContent = data.title || result.problem;
 byId('facts').textContent = `${result.runs} runs of the search and ${result.study_runs} around its result${{ runs: ', ended by budget.runs', seconds: ', ended by budget.seconds' }[result.ended_by] ?? ''}; method ${result.exhaustive ? 'all combinations' : result.method}, seed ${result.seed}, scenario ${result.scenario}, ${manifest.program}`;
 const verdicts = {
   optimal: 'The search has converged: all constraints are met.', budget: 'The budget is spent: all constraints are met; a longer search may find better.',
+  'not-converged': 'All constraints are met, but samples that the search had not seen leave room at its limits: better designs may be near. Raise campaign.samples and campaign.most, or start from here.',
   infeasible: 'No point meets all constraints. Shown is the point of the least violation.',
   'not-found': 'No feasible point was found within the budget: raise it. Shown is the point of the least violation.', undecided: result.violation ? 'The samples of the search are too few to decide: other samples do not show that the point misses the probability. Raise campaign.samples.'
     : 'The search has ended, and samples that it had not seen neither confirm nor refute the result. Raise campaign.checks, campaign.samples and campaign.most, or lower the probability.',
   unresolved: 'The step does not resolve the nearest point: it neither meets nor misses the constraints. Make the step smaller.', interrupted: 'The search was interrupted. Shown is the best so far.',
   refuted: 'The search has ended, and samples that it had not seen refute the result: it does not meet all constraints.', unverified: 'The search has ended, and its result is not verified.',
 };
-byId('verdict').append(make('span', verdicts[result.status] ?? result.status, { class: ['optimal', 'budget'].includes(result.status) ? 'good' : 'bad' }));
+byId('verdict').append(make('span', verdicts[result.status] ?? result.status, { class: ['optimal', 'budget', 'not-converged'].includes(result.status) ? 'good' : 'bad' }));
 if (result.violation) byId('verdict').append(make('span', ` ${result.violation.text}.`));
 
 fill('variables', ['variable', 'start', 'result', 'between', 'set by'], variables.map((v) => [

@@ -54,8 +54,12 @@ Json build_constraints(const OptimizeReport& report, const OptimizeSample& best)
   Json all = Json::array();
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
     const OptimizeConstraint& constraint = report.problem.constraints[i];
-    Json one{{"id", constraint.name},     {"unit", constraint.unit},           {"value", number(best.values[i])},
-             {"limit", report.limits[i]}, {"margin", number(best.margins[i])}, {"met", is_met(report, i)}};
+    Json one{{"id", constraint.name},
+             {"unit", constraint.unit},
+             {"value", number(get_value(report, i))},
+             {"limit", report.limits[i]},
+             {"margin", number(get_margin(report, i))},
+             {"met", is_met(report, i)}};
     if (!report.result.constraints.empty()) {
       const hil::ConstraintStudy& study = report.result.constraints[i];
       one["active"] = study.active;
@@ -64,9 +68,12 @@ Json build_constraints(const OptimizeReport& report, const OptimizeSample& best)
     if (constraint.probability > 0) {
       one["probability"] = constraint.probability;
       one["part"] = best.demand.parts[i];
+      one["search_margin"] = number(best.margins[i]);
       const auto* const check = find_check(report, i);
       one["verdict"] = check != nullptr ? Json(get_name(check->verdict)) : Json(nullptr);
-      const auto& interval = i < report.result.intervals.size() ? report.result.intervals[i] : std::nullopt;
+      const auto interval = i < report.result.margins.size() && report.result.margins[i]
+                                ? report.result.margins[i]->interval
+                                : std::nullopt;
       one["margin_interval"] = interval ? Json{number(interval->low), number(interval->high)} : Json(nullptr);
     }
     all.push_back(one);

@@ -58,7 +58,11 @@ void print_verification(std::FILE* to, const OptimizeReport& report) {
     std::fprintf(to,
                  "  undecided: other samples neither confirm nor refute the result: raise campaign.checks, "
                  "campaign.samples and campaign.most, or lower the probability\n");
-  if (is_any_refuted(report))
+  if (get_status(report) == "not-converged")
+    std::fprintf(to,
+                 "  not converged: by other samples the result keeps a distance to its limits that a better one would "
+                 "not need: raise campaign.samples and campaign.most, or start from here\n");
+  if (result.feasible && is_any_refuted(report))
     std::fprintf(
         to,
         "  the samples of the search were too few to decide: raise campaign.samples and campaign.most, or lower "
@@ -112,9 +116,13 @@ void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
       count(result.search_runs, "run").c_str(), static_cast<long long>(evaluations.get_runs() - result.search_runs));
   if (const std::string end = get_end(report); end == "seconds" || end == "runs")
-    std::fprintf(to, "  ended by its budget of %s\n",
-                 end == "runs" ? (count(problem.budget.runs, "run") + " (budget.runs)").c_str()
-                               : format("%g s (budget.seconds)", problem.budget.seconds).c_str());
+    std::fprintf(
+        to, "  ended by its budget of %s%s\n",
+        end == "runs" ? (count(problem.budget.runs, "run") + " (budget.runs)").c_str()
+                      : format("%g s (budget.seconds)", problem.budget.seconds).c_str(),
+        end == "runs" && result.search_count > 1
+            ? (", the last of " + count(result.search_count, "search") + ", each of which may make so many").c_str()
+            : "");
   if (evaluations.get_samples().empty()) return;
   const OptimizeSample& best = evaluations.get_samples()[result.best];
   if (!result.feasible)
@@ -135,18 +143,20 @@ void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
     const bool active = !result.constraints.empty() && result.constraints[i].active;
     const bool met = is_met(report, i);
     if (!active && met) continue;
-    std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
-                 problem.constraints[i].unit.c_str(),
-                 describe_constraint(problem.constraints[i], report.limits[i]).c_str());
-    if (i < result.intervals.size() && result.intervals[i])
-      std::fprintf(to, " (margin of the quantile %.4g to %.4g, 95 %%)", result.intervals[i]->low,
-                   result.intervals[i]->high);
+    const double value = get_value(report, i);
+    std::fprintf(
+        to, "  %-16s %s, %s", problem.constraints[i].name.c_str(),
+        std::isfinite(value) ? format("%.6g %s", value, problem.constraints[i].unit.c_str()).c_str() : "no value",
+        describe_constraint(problem.constraints[i], report.limits[i]).c_str());
+    if (i < result.margins.size() && result.margins[i] && result.margins[i]->interval)
+      std::fprintf(to, " (margin of the quantile %.4g to %.4g, 95 %%, by %s)", result.margins[i]->interval->low,
+                   result.margins[i]->interval->high, result.check ? "other samples" : "the samples of the search");
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     if (const double part = best.demand.parts.empty() ? 0 : best.demand.parts[i];
         part > problem.constraints[i].probability && problem.constraints[i].probability > 0)
       std::fprintf(to, "; the search asked for %.4g of its samples, so that others confirm it", part);
-    const bool missed = !(best.margins[i] >= 0) || is_any_refuted(report);
+    const bool missed = !(get_margin(report, i) >= 0) || is_any_refuted(report);
     std::fprintf(to, "%s\n", met ? "" : missed ? ": not met" : ": not confirmed");
   }
   if (problem.starts > 1) {

@@ -78,10 +78,28 @@ double get_allowed(const OptimizeReport& report, std::size_t constraint) {
 
 bool is_met(const OptimizeReport& report, std::size_t constraint) {
   const OptimizeSample* const best = find_best(report);
-  if (best == nullptr || !(best->margins[constraint] >= 0)) return false;
-  if (!(report.problem.constraints[constraint].probability > 0)) return true;
+  if (best == nullptr) return false;
+  if (!(report.problem.constraints[constraint].probability > 0)) return best->margins[constraint] >= 0;
   const auto* const check = find_check(report, constraint);
   return check != nullptr && check->verdict == Verdict::kConfirmed;
+}
+
+double get_margin(const OptimizeReport& report, std::size_t constraint) {
+  const bool dispersed = report.problem.constraints[constraint].probability > 0;
+  if (!dispersed) return find_best(report)->margins[constraint];
+  const auto& margins = report.result.margins;
+  if (constraint < margins.size() && margins[constraint]) return margins[constraint]->margin;
+  // Interrupted: what the search has, if it asked for the wanted probability.
+  const OptimizeSample& best = *find_best(report);
+  const bool wanted = best.demand.parts[constraint] == report.problem.constraints[constraint].probability;
+  return wanted ? best.margins[constraint] : std::nan("");
+}
+
+double get_value(const OptimizeReport& report, std::size_t constraint) {
+  const OptimizeConstraint& own = report.problem.constraints[constraint];
+  if (!(own.probability > 0)) return find_best(report)->values[constraint];
+  const double margin = get_margin(report, constraint);
+  return report.limits[constraint] + (own.at_least ? margin : -margin);
 }
 
 bool is_any_refuted(const OptimizeReport& report) { return is_any(report, Verdict::kRefuted); }
@@ -111,7 +129,8 @@ std::string get_status(const OptimizeReport& report) {
   if (is_any_open(report)) return "undecided";
   if (!is_finished(report) || !report.verification.met || !report.verification.same_bits || is_beyond_tolerance(report))
     return "unverified";
-  return result.end == OptimizeResult::End::kBudget ? "budget" : "optimal";
+  if (result.end == OptimizeResult::End::kBudget) return "budget";
+  return result.has_room ? "not-converged" : "optimal";
 }
 
 std::string describe_constraint(const OptimizeConstraint& constraint, double limit) {
@@ -167,7 +186,7 @@ std::string describe_violation(const OptimizeReport& report) {
     return "no run gives all of the results that the problem asks for: the nearest ended '" +
            hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
   const OptimizeConstraint& constraint = report.problem.constraints[*violation.constraint];
-  const double value = best.values[*violation.constraint];
+  const double value = get_value(report, *violation.constraint);
   std::string text =
       constraint.name + " must be " + describe_constraint(constraint, report.limits[*violation.constraint]) + "; ";
   text += std::isfinite(value) ? format("the best that was found is %.6g %s", value, constraint.unit.c_str())
@@ -183,7 +202,7 @@ std::string describe_violation(const OptimizeReport& report) {
 
 bool is_verified(const OptimizeReport& report) {
   const std::string status = get_status(report);
-  return status == "optimal" || status == "budget";
+  return status == "optimal" || status == "budget" || status == "not-converged";
 }
 
 }  // namespace unlatch::tools

@@ -21,6 +21,12 @@ const char* find_front_verdict(const OptimizeReport& report, std::size_t place);
 const char* get_name(hil::DispersedCheck::Verdict verdict);
 double get_allowed(const OptimizeReport& report, std::size_t constraint);  // probability of failure
 
+// Margin of a constraint at the result; with a probability that of the wanted one, by fresh samples, or by those of the
+// search where no others were flown. NaN: there is none.
+double get_margin(const OptimizeReport& report, std::size_t constraint);
+// The value to which that margin belongs.
+double get_value(const OptimizeReport& report, std::size_t constraint);
+
 // The result meets the constraint; one with a probability if fresh samples confirm it.
 bool is_met(const OptimizeReport& report, std::size_t constraint);
 bool meets_all(const hil::OptimizeSample& sample);  // by the samples of the search
