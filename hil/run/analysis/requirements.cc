@@ -196,13 +196,18 @@ void RequirementMonitor::begin_step(const StepReport& report) {
   if (finer_) finer_->add(report);
 }
 
+FinerSteps::Again RequirementMonitor::take_again(const Track& track, double from, double to) const {
+  if (!finer_) return {};
+  return finer_->take(from, to, track.judged ? FinerSteps::Count::kNo : FinerSteps::Count::kYes);
+}
+
 // Values of a requirement in steps that are taken again.
 class RequirementMonitor::FinerOfTrack final : public FinerValues {
  public:
   FinerOfTrack(const RequirementMonitor& monitor, const Track& track) : monitor_(monitor), track_(track) {}
   std::span<const ValueKnot> list(double from, double to) override {
     values_.clear();
-    for (const std::unique_ptr<FinerKnot>& own : monitor_.finer_->take(from, to).knots)
+    for (const std::unique_ptr<FinerKnot>& own : monitor_.take_again(track_, from, to).knots)
       values_.push_back({own->knot.time, to_smooth(track_.part, monitor_.calc_sample(track_, own->knot)), own->begins});
     return values_;
   }
@@ -385,7 +390,7 @@ void RequirementMonitor::search_law(Track& track, LawEnd end) const {
 
 // False if the step is not taken again.
 bool RequirementMonitor::refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const {
-  const FinerSteps::Again again = finer_ ? finer_->take(span.from, span.to) : FinerSteps::Again{};
+  const FinerSteps::Again again = take_again(track, span.from, span.to);
   if (again.knots.empty()) return false;
   if (!track.finer_law)
     track.finer_law.emplace(scenario_.model, simulation_.plan(),
@@ -540,6 +545,7 @@ Verdict RequirementMonitor::judge_times(const Requirement& requirement) const {
 }
 
 Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const {
+  track.judged = true;
   const Requirement& r = *track.requirement;
   Verdict verdict;
   if (const EventName* missing = find_missing(r)) {

@@ -95,6 +95,7 @@ class RequirementMonitor {
     double law_values[2] = {};
     bool jumps = false;                     // it may jump where forces do and no acceleration does
     SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
+    bool judged = false;                    // a copy, for a verdict
     bool bounded = false;                   // as is_bounded()
     bool straight = false;                  // a straight line between events: its extremes are at knots
     bool has_last = false, fresh = true;
@@ -116,6 +117,7 @@ class RequirementMonitor {
                   std::span<const double> commands) const;
   enum class LawEnd { kGoesOn, kEnds };
   void search_law(Track& track, LawEnd end) const;
+  [[nodiscard]] FinerSteps::Again take_again(const Track& track, double from, double to) const;
   bool refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
   void add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const;

@@ -90,15 +90,16 @@ void FinerSteps::add(const StepReport& report) {
   ++ticks_;
 }
 
-FinerSteps::Again FinerSteps::take(double from, double to) {
+FinerSteps::Again FinerSteps::take(double from, double to, Count count) {
   const auto tick = static_cast<std::int64_t>(std::floor(0.5 * (from + to) / simulation_.plan().get_options().dt));
   const auto start = std::ranges::find(starts_, tick, &Start::tick);
   if (start == starts_.end()) return {};
+  if (count == Count::kYes && counted_ != tick) {
+    if (taken_ >= kFirst + ticks_ / kEvery) return {};
+    ++taken_;
+    counted_ = tick;
+  }
   if (latest_ != tick) {
-    // The latest step, of which verdicts in the meantime ask, does not count: they would change those that follow.
-    const bool counts = tick + 1 < simulation_.get_tick();
-    if (counts && taken_ >= kFirst + ticks_ / kEvery) return {};
-    if (counts) ++taken_;
     latest_ = tick;
     if (!step_again(*start)) count_ = 0;
   }

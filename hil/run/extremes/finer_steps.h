@@ -55,8 +55,11 @@ class FinerSteps {
     std::span<const std::unique_ptr<FinerKnot>> knots;
     std::span<const double> commands;
   };
+  // Whether a step counts among those that may be taken again: those of a verdict in the meantime do not, so that it
+  // changes none that follows.
+  enum class Count { kYes, kNo };
   // The step in which the time between these lies, one of the latest kKept.
-  Again take(double from, double to);
+  Again take(double from, double to, Count count);
 
  private:
   static constexpr std::size_t kKept = 8;
@@ -85,6 +88,7 @@ class FinerSteps {
   std::array<Start, kKept> starts_;
   std::size_t next_ = 0;
   std::int64_t ticks_ = 0, taken_ = 0;
+  std::int64_t counted_ = -1;     // tick of the step that was counted last
   std::unique_ptr<Finer> finer_;  // once a step is taken again
   std::vector<std::unique_ptr<FinerKnot>> knots_;
   std::size_t count_ = 0;
