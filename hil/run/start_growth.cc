@@ -13,28 +13,17 @@ using Of = StartGrowth::Of;
 constexpr double kChange = 5e-7;  // m, m/s, rad, rad/s; below the gaps that joints may have at the start
 constexpr double kBlocked = 0.1;  // part of the change that is left after the first step, unless joints hold it
 
-// All bodies after the first step, and at the end.
-struct StartCourse {
-  std::vector<BodyState> begin, end;
-};
-
-// Nothing if the run fails, or the changed model is not possible.
-std::optional<StartCourse> fly(const Scenario& scenario, std::int64_t last, const std::atomic<bool>& interrupted) {
-  StartCourse course;
+// All bodies at tick `last`; nothing if the run fails, or the changed model is not possible.
+std::optional<std::vector<BodyState>> fly(const Scenario& scenario, std::int64_t last,
+                                          const std::atomic<bool>& interrupted) {
   try {
     const auto simulation = build_simulation(scenario);
-    const auto list = [&](std::vector<BodyState>& into) {
-      into.assign(simulation->state().bodies.begin(), simulation->state().bodies.end());
-    };
-    while (simulation->get_tick() < last) {
+    while (simulation->get_tick() < last)
       if (interrupted || simulation->step().status != StepStatus::kOk) return std::nullopt;
-      if (course.begin.empty()) list(course.begin);
-    }
-    list(course.end);
+    return std::vector<BodyState>(simulation->state().bodies.begin(), simulation->state().bodies.end());
   } catch (const std::exception&) {
     return std::nullopt;
   }
-  return course;
 }
 
 // Angle between two attitudes, rad, for small ones.
@@ -104,8 +93,8 @@ const char* get_name(StartGrowth::Of of) {
 bool ends_alike(const Scenario& other, std::int64_t last, const Simulation& simulation,
                 const std::atomic<bool>& interrupted) {
   constexpr double kAlike = 1e-4;
-  const std::optional<StartCourse> course = fly(other, last, interrupted);
-  if (!course) return false;
+  const auto end = fly(other, last, interrupted);
+  if (!end) return false;
   const std::span<const BodyState> reached = simulation.state().bodies;
   double way = 0;
   for (std::size_t b = 0; b < reached.size(); ++b) {
@@ -113,20 +102,20 @@ bool ends_alike(const Scenario& other, std::int64_t last, const Simulation& simu
     way = std::max(way, norm(reached[b].p - Vec3{start.x(), start.y(), start.z()}));
   }
   for (std::size_t b = 0; b < reached.size(); ++b)
-    if (!(calc_difference(Of::kPlace, course->end[b], reached[b]) <= kAlike * way &&
-          calc_difference(Of::kAttitude, course->end[b], reached[b]) <= kAlike))
+    if (!(calc_difference(Of::kPlace, (*end)[b], reached[b]) <= kAlike * way &&
+          calc_difference(Of::kAttitude, (*end)[b], reached[b]) <= kAlike))
       return false;
   return true;
 }
 
-std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, std::int64_t last,
-                                                       const std::atomic<bool>& interrupted) {
+std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, const Scenario& flown,
+                                                       std::int64_t last, const std::atomic<bool>& interrupted) {
   const std::vector<Body>& bodies = scenario.model.bodies;
   const auto movable = std::ranges::count_if(bodies, [](const Body& body) { return !body.marker; });
   if (static_cast<std::size_t>(movable) > kMostGrowthBodies) return std::nullopt;
-  const std::optional<StartCourse> nominal = fly(scenario, last, interrupted);
-  if (!nominal) return std::nullopt;
-  const double length = static_cast<double>(last) * scenario.dt;
+  const auto nominal_begin = fly(scenario, 1, interrupted), nominal_end = fly(flown, last, interrupted);
+  if (!nominal_begin || !nominal_end) return std::nullopt;
+  const double length = static_cast<double>(last) * flown.dt;
   std::vector<StartGrowth> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].marker) continue;
@@ -135,14 +124,17 @@ std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario,
       const Of at_end = of == Of::kPlace || of == Of::kVelocity ? Of::kPlace : Of::kAttitude;
       StartGrowth worst{.start = bodies[b].name, .end = {}, .of = of};
       for (int axis = 0; axis < 3; ++axis) {
-        Scenario changed = scenario;
-        change(of, axis, changed.model.bodies[b]);
-        const std::optional<StartCourse> course = fly(changed, last, interrupted);
-        if (interrupted) return std::nullopt;
-        if (!course) continue;
-        const double start = find_largest(of, course->begin, nominal->begin).first;
+        const auto fly_changed = [&](Scenario changed, std::int64_t until) {
+          change(of, axis, changed.model.bodies[b]);
+          return fly(changed, until, interrupted);
+        };
+        const auto begin = fly_changed(scenario, 1);
+        const double start = begin ? find_largest(of, *begin, *nominal_begin).first : 0;
         if (start < kBlocked * kChange) continue;
-        const auto [difference, whose] = find_largest(at_end, course->end, nominal->end);
+        const auto end = fly_changed(flown, last);
+        if (interrupted) return std::nullopt;
+        if (!end) continue;
+        const auto [difference, whose] = find_largest(at_end, *end, *nominal_end);
         const double factor = difference / (over_time ? start * length : start);
         if (factor > worst.factor) worst.factor = factor, worst.end = bodies[whose].name;
       }

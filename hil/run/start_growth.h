@@ -24,8 +24,10 @@ bool ends_alike(const Scenario& other, std::int64_t last, const Simulation& simu
                 const std::atomic<bool>& interrupted);
 
 // Factors of at least kNotableGrowth, the largest first; nothing if it was interrupted, or the model has more than
-// kMostGrowthBodies bodies that are no markers. Changes that joints do not allow do not count. `last`: tick of the end.
-std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, std::int64_t last,
-                                                       const std::atomic<bool>& interrupted);
+// kMostGrowthBodies bodies that are no markers. Changes that joints do not allow do not count: what is left of one is
+// seen after the first step of `scenario`. The runs are those of `flown`, the same scenario at the same or a longer
+// step, to its tick `last`.
+std::optional<std::vector<StartGrowth>> measure_growth(const Scenario& scenario, const Scenario& flown,
+                                                       std::int64_t last, const std::atomic<bool>& interrupted);
 
 }  // namespace unlatch::hil

@@ -182,7 +182,7 @@ void measure_growth(const ScenarioOptions& options, const hil::Scenario& scenari
   const std::optional<hil::Scenario> coarse = find_coarse(options, scenario, simulation);
   if (coarse) last = std::llround(static_cast<double>(last) * scenario.dt / coarse->dt);
   print_progress("growth of changes of the start", coarse ? coarse->dt : scenario.dt);
-  if (auto growth = hil::measure_growth(coarse ? *coarse : scenario, last, catch_interrupts())) {
+  if (auto growth = hil::measure_growth(scenario, coarse ? *coarse : scenario, last, catch_interrupts())) {
     accuracy.growth = *std::move(growth);
     accuracy.growth_measured = true;
     accuracy.growth_step = coarse ? coarse->dt : scenario.dt;
