@@ -545,7 +545,8 @@ parameters:
         # OpenTURNS divides by the variance of A, and its sums by 2 n - 1; ours by that of A and B, and by 2 n.
         a, b = ([float(row["fast [m/s]"]) for row in block] for block in blocks[:2])
         ratio = statistics.variance(a) / statistics.pvariance(a + b) * (2 * 1000 - 1) / (2 * 1000)
-        worst = [max(abs(ours[k][key] - theirs[k] * ratio) for k in range(3)) for key, theirs in (("first", first), ("total", total))]
+        # An index lies between 0 and 1; its estimate may not (that of z, whose first-order index is 0), and is cut there.
+        worst = [max(abs(ours[k][key] - min(max(theirs[k] * ratio, 0), 1)) for k in range(3)) for key, theirs in (("first", first), ("total", total))]
         print(f"Sobol' indices: first order {worst[0]:.1e}, total {worst[1]:.1e}", file=sys.stderr)
         self.assertLess(worst[0], 1e-3)  # the estimator itself scatters by 0.03
         self.assertLess(worst[1], 1e-11)
