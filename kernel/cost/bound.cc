@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 
+#include "kernel/cost/load_times.h"
 #include "kernel/cost/measured.h"
 #include "kernel/cost/step_counts.h"
 #include "kernel/elements/kinds/friction.h"
@@ -345,7 +346,9 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   // A force of a rigid contact that jumps is located first; then the sub-step before it is tried, and the instant
   // again.
   const std::int64_t feature_tries = plan.rigid_pairs > 0 ? kMostTries + 2 : kMostFeatureTries;
-  limits.sub_steps = limits.parts + limits.splits + (plan.time_corners ? kMostCornerSplits : corners) + features;
+  const std::int64_t corner_splits =
+      std::min<std::int64_t>(kMostCornerSplits, corners + cost::count_timed_corners(plan));
+  limits.sub_steps = limits.parts + limits.splits + corner_splits + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
                     features * feature_tries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;
@@ -370,15 +373,18 @@ StepLimits get_counted_limits(const Plan& owner, const StepCounts& counts) noexc
   limits.jumps = all_audited ? std::min(counts.jumps, limits.rounds) : most.jumps;
   // The last rounds of rigid contacts have no audit, one at each instant at most.
   limits.waits = std::min(most.waits, plan.rigid_pairs > 0 ? 1 + integrations : counts.waits);
-  // A split that is searched for takes two tries at least, after the one that showed it.
+  // A split that is searched for takes two tries at least, after the one that showed it; one at a known time, or at a
+  // corner, takes no more than its sub-step.
   constexpr std::int64_t kLeast = 3;
   const std::int64_t timed = std::min(counts.timed, integrations - 1);
-  const std::int64_t splits = timed + (integrations - 1 - timed) / kLeast;
-  if (plan.rigid_pairs == 0) limits.waits = std::min(limits.waits, 1 + splits);
+  const auto count_splits = [&](std::int64_t others) { return others + (integrations - 1 - others) / kLeast; };
+  if (plan.rigid_pairs == 0) limits.waits = std::min(limits.waits, 1 + count_splits(timed));
   limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
-  // Where nothing else splits a step, each split has a round.
-  if (plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits) {
-    limits.parts = limits.sub_steps = std::min({limits.sub_steps, 1 + splits, 1 + counts.rounds + limits.waits});
+  // Without contacts events and corners alone split a step; each split at an event has a round.
+  if (plan.contact_pairs.empty()) {
+    const std::int64_t corners = std::min(most.sub_steps - 1 - most.splits, integrations - 1 - timed);
+    limits.parts = limits.sub_steps =
+        std::min({limits.sub_steps, 1 + count_splits(timed + corners), 1 + counts.rounds + limits.waits + corners});
   }
   limits.tries = integrations;
   limits.searches = integrations - limits.sub_steps;
