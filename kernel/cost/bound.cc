@@ -25,18 +25,22 @@ class CallCosts {
     for (const cost::Coefficient& c : measured.coefficients) {
       costs_[static_cast<std::size_t>(c.primitive)] += c.instructions * work[c.unit];
       driven_[static_cast<std::size_t>(c.primitive)] += c.instructions * driven[c.unit];
+      if (c.unit == cost::Unit::kOne) fixed_[static_cast<std::size_t>(c.primitive)] += c.instructions;
     }
   }
   double operator[](Primitive primitive) const { return costs_[static_cast<std::size_t>(primitive)]; }
   double in_stage(Primitive primitive) const { return driven_[static_cast<std::size_t>(primitive)]; }
+  // What does not depend on the plan.
+  double get_fixed(Primitive primitive) const { return fixed_[static_cast<std::size_t>(primitive)]; }
 
  private:
-  std::array<double, cost::kPrimitives> costs_{}, driven_{};
+  std::array<double, cost::kPrimitives> costs_{}, driven_{}, fixed_{};
 };
 
 // Parts of a plan that decide what is called at all.
 struct Features {
   bool rigid, loops, laws, contacts, angles, stage_angles, commanded_loads, commanded_events, compliant;
+  bool time_corners;    // step() looks for them before each sub-step
   double sweeps;        // solutions with friction, beside the first
   double rigid_rows;    // of rigid contacts, at most
   double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
@@ -58,6 +62,7 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .commanded_loads = plan.commanded_loads,
           .commanded_events = plan.commanded_events,
           .compliant = may_be_stiff(plan),
+          .time_corners = plan.time_corners,
           .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
           .rigid_rows = driven[cost::Unit::kRigidRows],
           .contact_rows = driven[cost::Unit::kContactRows]};
@@ -99,6 +104,14 @@ class RowCost {
     row_.solver += calls * (costs_[Primitive::kRigidRows] + (features_.rigid_rows + 1) * costs_[Primitive::kSolve]);
   }
   void add(Primitive primitive, double calls = 1) { row_.rest += calls * costs_[primitive]; }
+  // Of what step() does itself, that for a sub-step, and the rest, once for a step: copies and checks of the state and
+  // of sensors. Corners at known times and rigid forces are loops for each sub-step.
+  void add_own_of_substep() {
+    row_.rest += is_own_repeated() ? costs_[Primitive::kStep] : costs_.get_fixed(Primitive::kStep);
+  }
+  void add_own_of_step() {
+    if (!is_own_repeated()) row_.rest += costs_[Primitive::kStep] - costs_.get_fixed(Primitive::kStep);
+  }
 
   CostRow repeat(const char* phase, double calls) const {
     return {phase, calls, calls * row_.bodies, calls * row_.forces, calls * row_.solver, calls * row_.rest};
@@ -115,6 +128,8 @@ class RowCost {
     if (features_.loops && reactions) row_.solver += calls * (1 + sweeps) * costs_[Primitive::kSplit];
     add_rigid_rows(calls * (1 + sweeps));
   }
+
+  bool is_own_repeated() const { return features_.time_corners || features_.contacts; }
 
   const CallCosts& costs_;
   const Features& features_;
@@ -267,7 +282,7 @@ class Rows {
     row.add(Primitive::kRearm);
     row.add(Primitive::kNextDue);
     row.add(Primitive::kAct);
-    row.add(Primitive::kStep);
+    row.add_own_of_substep();
     if (features_.contacts) row.add(Primitive::kParts);
     if (features_.contact_rows > 0) {
       row.add(Primitive::kContactRows);
@@ -283,6 +298,7 @@ class Rows {
   CostRow calc_readings() const {
     RowCost row = begin();
     row.add(Primitive::kReadings);
+    row.add_own_of_step();
     return row.repeat("readings", 1);
   }
 

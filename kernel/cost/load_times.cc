@@ -220,6 +220,14 @@ bool has_tables_over_time(const PlanData& plan) {
 
 std::vector<std::int32_t> list_predecessors(const PlanData& plan) {
   const std::vector<std::vector<std::size_t>> causes = list_causes(plan);
+  const std::vector<double> earliest = calc_earliest_times(plan);
+  // True if no event switches the element on once event `e` has acted: all that do act once, at known times before.
+  const auto ends_with = [&](std::int32_t element, std::size_t e) {
+    return std::ranges::all_of(causes[at(element)], [&](std::size_t c) {
+      const PlanEvent& own = plan.events[c];
+      return own.by_time && !own.repeat && earliest[c] + calc_margin(plan) < earliest[e];
+    });
+  };
   std::vector<std::int32_t> predecessors(plan.element_scales.size(), kNone);
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     // What it alone switches on, and what it switches off for good; the first with the first, and so on.
@@ -232,7 +240,8 @@ std::vector<std::int32_t> list_predecessors(const PlanData& plan) {
       const std::vector<std::size_t>& own = causes[at(action.subject)];
       if (action.value != 0 && own.size() == 1 && plan.element_scales[at(action.subject)] == 0)
         add_once(on, action.subject);
-      if (action.value == 0 && own.empty() && action.kind == Action::Kind::kSwitch) add_once(off, action.subject);
+      if (action.value == 0 && action.kind == Action::Kind::kSwitch && ends_with(action.subject, e))
+        add_once(off, action.subject);
     });
     for (std::size_t i = 0; i < std::min(on.size(), off.size()); ++i) predecessors[at(on[i])] = off[i];
   }

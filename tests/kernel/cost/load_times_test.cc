@@ -94,6 +94,18 @@ TEST(LoadTimes, ALoadThatMayComeOnAgainHasNoSuccessor) {
   EXPECT_EQ(cost::count_work(plan, 1)[cost::Unit::kOnLoads], 2);
 }
 
+TEST(LoadTimes, ALoadThatComesOnAtKnownTimesBeforeEndsWithTheEventThatSwitchesItOff) {
+  Model model = build_loaded_body({true, false});
+  add_event(model, when_time(0.25), 0, {ramp(0, 0.5, 0.125)});
+  add_event(model, when_time(0.5), 0, {turn(0, 0), turn(1, 1)});
+  Plan plan = compile(model);
+  EXPECT_EQ(cost::list_predecessors(get_data(plan)), (std::vector<std::int32_t>{kNone, 0}));
+  EXPECT_EQ(cost::count_work(plan, 1)[cost::Unit::kOnLoads], 1);
+  model.events.front().when.threshold = 0.5 - kDt;  // it may be left to the step of the other one
+  plan = compile(model);
+  EXPECT_EQ(cost::list_predecessors(get_data(plan)), (std::vector<std::int32_t>{kNone, kNone}));
+}
+
 std::int64_t count_corners(const Model& model) { return cost::count_timed_corners(get_data(compile(model))); }
 
 TEST(TimedCorners, RampsThatEndFarApartAreNotInOneStep) {
