@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 
+#include "kernel/cost/load_times.h"
 #include "kernel/cost/measured.h"
 #include "kernel/cost/step_counts.h"
 #include "kernel/elements/kinds/friction.h"
@@ -24,18 +25,22 @@ class CallCosts {
     for (const cost::Coefficient& c : measured.coefficients) {
       costs_[static_cast<std::size_t>(c.primitive)] += c.instructions * work[c.unit];
       driven_[static_cast<std::size_t>(c.primitive)] += c.instructions * driven[c.unit];
+      if (c.unit == cost::Unit::kOne) fixed_[static_cast<std::size_t>(c.primitive)] += c.instructions;
     }
   }
   double operator[](Primitive primitive) const { return costs_[static_cast<std::size_t>(primitive)]; }
   double in_stage(Primitive primitive) const { return driven_[static_cast<std::size_t>(primitive)]; }
+  // What does not depend on the plan.
+  double get_fixed(Primitive primitive) const { return fixed_[static_cast<std::size_t>(primitive)]; }
 
  private:
-  std::array<double, cost::kPrimitives> costs_{}, driven_{};
+  std::array<double, cost::kPrimitives> costs_{}, driven_{}, fixed_{};
 };
 
 // Parts of a plan that decide what is called at all.
 struct Features {
   bool rigid, loops, laws, contacts, angles, stage_angles, commanded_loads, commanded_events, compliant;
+  bool time_corners;    // step() looks for them before each sub-step
   double sweeps;        // solutions with friction, beside the first
   double rigid_rows;    // of rigid contacts, at most
   double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
@@ -57,6 +62,7 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .commanded_loads = plan.commanded_loads,
           .commanded_events = plan.commanded_events,
           .compliant = may_be_stiff(plan),
+          .time_corners = plan.time_corners,
           .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
           .rigid_rows = driven[cost::Unit::kRigidRows],
           .contact_rows = driven[cost::Unit::kContactRows]};
@@ -98,6 +104,14 @@ class RowCost {
     row_.solver += calls * (costs_[Primitive::kRigidRows] + (features_.rigid_rows + 1) * costs_[Primitive::kSolve]);
   }
   void add(Primitive primitive, double calls = 1) { row_.rest += calls * costs_[primitive]; }
+  // Of what step() does itself, that for a sub-step, and the rest, once for a step: copies and checks of the state and
+  // of sensors. Corners at known times and rigid forces are loops for each sub-step.
+  void add_own_of_substep() {
+    row_.rest += is_own_repeated() ? costs_[Primitive::kStep] : costs_.get_fixed(Primitive::kStep);
+  }
+  void add_own_of_step() {
+    if (!is_own_repeated()) row_.rest += costs_[Primitive::kStep] - costs_.get_fixed(Primitive::kStep);
+  }
 
   CostRow repeat(const char* phase, double calls) const {
     return {phase, calls, calls * row_.bodies, calls * row_.forces, calls * row_.solver, calls * row_.rest};
@@ -114,6 +128,8 @@ class RowCost {
     if (features_.loops && reactions) row_.solver += calls * (1 + sweeps) * costs_[Primitive::kSplit];
     add_rigid_rows(calls * (1 + sweeps));
   }
+
+  bool is_own_repeated() const { return features_.time_corners || features_.contacts; }
 
   const CallCosts& costs_;
   const Features& features_;
@@ -266,7 +282,7 @@ class Rows {
     row.add(Primitive::kRearm);
     row.add(Primitive::kNextDue);
     row.add(Primitive::kAct);
-    row.add(Primitive::kStep);
+    row.add_own_of_substep();
     if (features_.contacts) row.add(Primitive::kParts);
     if (features_.contact_rows > 0) {
       row.add(Primitive::kContactRows);
@@ -282,6 +298,7 @@ class Rows {
   CostRow calc_readings() const {
     RowCost row = begin();
     row.add(Primitive::kReadings);
+    row.add_own_of_step();
     return row.repeat("readings", 1);
   }
 
@@ -345,7 +362,9 @@ StepLimits calc_step_limits(const Plan& owner) noexcept {
   // A force of a rigid contact that jumps is located first; then the sub-step before it is tried, and the instant
   // again.
   const std::int64_t feature_tries = plan.rigid_pairs > 0 ? kMostTries + 2 : kMostFeatureTries;
-  limits.sub_steps = limits.parts + limits.splits + (plan.time_corners ? kMostCornerSplits : corners) + features;
+  const std::int64_t corner_splits =
+      std::min<std::int64_t>(kMostCornerSplits, corners + cost::count_timed_corners(plan));
+  limits.sub_steps = limits.parts + limits.splits + corner_splits + features;
   limits.searches = limits.splits * kMostTries + corners * (jumps ? kMostJumpTries : kMostCornerTries) +
                     features * feature_tries + (pairs > 0 ? limits.sub_steps * (kMostLooks + 1) : 0);
   limits.tries = limits.sub_steps + limits.searches;
@@ -370,15 +389,18 @@ StepLimits get_counted_limits(const Plan& owner, const StepCounts& counts) noexc
   limits.jumps = all_audited ? std::min(counts.jumps, limits.rounds) : most.jumps;
   // The last rounds of rigid contacts have no audit, one at each instant at most.
   limits.waits = std::min(most.waits, plan.rigid_pairs > 0 ? 1 + integrations : counts.waits);
-  // A split that is searched for takes two tries at least, after the one that showed it.
+  // A split that is searched for takes two tries at least, after the one that showed it; one at a known time, or at a
+  // corner, takes no more than its sub-step.
   constexpr std::int64_t kLeast = 3;
   const std::int64_t timed = std::min(counts.timed, integrations - 1);
-  const std::int64_t splits = timed + (integrations - 1 - timed) / kLeast;
-  if (plan.rigid_pairs == 0) limits.waits = std::min(limits.waits, 1 + splits);
+  const auto count_splits = [&](std::int64_t others) { return others + (integrations - 1 - others) / kLeast; };
+  if (plan.rigid_pairs == 0) limits.waits = std::min(limits.waits, 1 + count_splits(timed));
   limits.parts = limits.sub_steps = std::min(integrations, most.sub_steps);
-  // Where nothing else splits a step, each split has a round.
-  if (plan.contact_pairs.empty() && most.sub_steps == 1 + most.splits) {
-    limits.parts = limits.sub_steps = std::min({limits.sub_steps, 1 + splits, 1 + counts.rounds + limits.waits});
+  // Without contacts events and corners alone split a step; each split at an event has a round.
+  if (plan.contact_pairs.empty()) {
+    const std::int64_t corners = std::min(most.sub_steps - 1 - most.splits, integrations - 1 - timed);
+    limits.parts = limits.sub_steps =
+        std::min({limits.sub_steps, 1 + count_splits(timed + corners), 1 + counts.rounds + limits.waits + corners});
   }
   limits.tries = integrations;
   limits.searches = integrations - limits.sub_steps;

@@ -1,6 +1,7 @@
-// When loads may be on, and which exclude each other: from the plan's events alone.
+// When loads may be on, which exclude each other, and how many ramps may end in one step: from the plan's events alone.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "kernel/plan/plan_data.h"
@@ -18,8 +19,12 @@ struct OnSpan {
 // Of each element the spans of its flight; none if it is never on.
 std::vector<std::vector<OnSpan>> list_on_spans(const PlanData& plan);
 
-// Of each element the one that it takes over from: it is switched on by one event alone, once, which switches that one
-// off for good; they are never on together. kNone if there is none.
+// Of each element one that it takes over from: it is switched on by one event alone, which switches that one off for
+// good; they are never on together. No element has two successors. kNone if there is none.
 std::vector<std::int32_t> list_predecessors(const PlanData& plan);
+
+// Splits of one step at corners whose times are known (kernel/events/corners.h), at most: of ramps that begin once in a
+// flight, those end in one step that may; with others and with tables over time as many as a step may have.
+std::int64_t count_timed_corners(const PlanData& plan);
 
 }  // namespace unlatch::cost

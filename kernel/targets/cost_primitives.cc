@@ -30,7 +30,8 @@ struct Count {
 std::array<Count, cost::kPrimitives> counts;
 const Kernels* kernels;
 std::uint64_t last, outside, *current = &outside;  // where the instructions since `last` belong
-std::uint64_t integrations, energies, substeps;    // so far
+std::uint64_t integrations, substeps;              // so far
+std::uint64_t energies;                            // that the latest call of act() has computed
 bool first_step;                                   // this one begins with an evaluation of its state
 std::uint64_t added_within, added_outside;         // instructions that counting adds to a call, and to its caller
 
@@ -52,8 +53,9 @@ class Within {
     last = read_counter();
   }
   ~Within() {
-    own_ = subtract(own_ + (read_counter() - last), added_within);
-    note(primitive_, own_, parts_);
+    own_ = subtract(get_own(), added_within);
+    if (rest_ != Primitive::kCount) note(rest_, subtract(own_, until_), 1);
+    note(primitive_, rest_ != Primitive::kCount ? std::min(own_, until_) : own_, parts_);
     *outer_ = subtract(*outer_, added_outside);
     current = outer_;
     last = read_counter();
@@ -65,11 +67,21 @@ class Within {
     primitive_ = primitive;
     parts_ = parts;
   }
+  // Its own instructions behind the first `until` turned out to be a call of another primitive.
+  void split(std::uint64_t until, Primitive rest) {
+    until_ = until;
+    rest_ = rest;
+  }
+  // Its instructions so far.
+  std::uint64_t get_own() const { return own_ + (read_counter() - last); }
 
  private:
-  Primitive primitive_;
-  std::uint64_t parts_ = 1, own_ = 0, *outer_;
+  Primitive primitive_, rest_ = Primitive::kCount;
+  std::uint64_t parts_ = 1, until_ = 0, own_ = 0, *outer_;
 };
+
+const Within* acting;  // the call of act()
+std::uint64_t acted;   // its instructions up to the end of the latest round in which events acted
 
 // Counts calls of nothing.
 [[gnu::noinline]] void calibrate() {
@@ -270,12 +282,15 @@ UNLATCH_DECLARE(StepStatus, act, "_ZN7unlatch3actERNS_3RunEdSt4spanIKd" UNLATCH_
                 (Run & run, double now, std::span<const double> tolerances))
 StepStatus wrap_act(Run& run, double now, std::span<const double> tolerances) {
   Within within(P::kAct);
-  const std::uint64_t before = target::energies;
+  target::acting = &within;
+  target::energies = 0;
   const StepStatus status = real_act(run, now, tolerances);
+  target::acting = nullptr;
   // A round computes energies before its events, and behind them if some acted: in the last one they may only wait.
-  const std::uint64_t count = target::energies - before;
+  const std::uint64_t count = target::energies;
   if (count > 1) within.divide(P::kRound, count / 2);
   if (count == 1) within.divide(P::kWait, 1);
+  if (count > 1 && count % 2 == 1) within.split(target::acted, P::kWait);
   return status;
 }
 
@@ -284,8 +299,9 @@ UNLATCH_DECLARE(EnergyFlow, calc_energy_flow,
                 (const PlanData& plan, const State& state, double t, const Evaluation& ev, const Vec3& observer))
 EnergyFlow wrap_calc_energy_flow(const PlanData& plan, const State& state, double t, const Evaluation& ev,
                                  const Vec3& observer) {
-  ++target::energies;
-  return real_calc_energy_flow(plan, state, t, ev, observer);
+  const EnergyFlow flow = real_calc_energy_flow(plan, state, t, ev, observer);
+  if (++target::energies % 2 == 0 && target::acting != nullptr) target::acted = target::acting->get_own();
+  return flow;
 }
 
 }  // namespace unlatch

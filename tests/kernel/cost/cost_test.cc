@@ -183,6 +183,21 @@ TEST(StepCost, ItGrowsWithEveryLimit) {
   }
 }
 
+// What one more sub-step costs.
+double calc_substep_cost(const Plan& plan, const CostTarget& target) {
+  const StepLimits one, two{.sub_steps = 2};
+  return calc_step_cost(plan, target, two).instructions - calc_step_cost(plan, target, one).instructions;
+}
+
+TEST(StepCost, TheStateIsCopiedOncePerStepHoweverManySubStepsItHas) {
+  Model model = build_pendulum(true, 0), more = model;
+  for (int i = 0; i < 64; ++i) more.signals.push_back("signal" + std::to_string(i));  // nothing but words of the state
+  const Plan plan = compile_or_throw(model, {}), larger = compile_or_throw(more, {});
+  const CostTarget& target = *find_cost_target("x86-64");
+  EXPECT_GT(calc_step_cost(larger, target, {}).instructions, calc_step_cost(plan, target, {}).instructions);
+  EXPECT_DOUBLE_EQ(calc_substep_cost(larger, target), calc_substep_cost(plan, target));
+}
+
 TEST(StepCost, ItIsTheSumOfItsPhases) {
   const Plan plan = compile_or_throw(build_random_system(7), {});
   for (const CostTarget* target : list_cost_targets()) {
