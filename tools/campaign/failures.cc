@@ -212,6 +212,29 @@ Json list_worst(const CampaignData& data) {
   return worst;
 }
 
+// Names of the inputs of few values (discrete ones, flags) of which a failed sample has one that no independent sample
+// of level 0 had: how probable the failure is with it, the levels do not say.
+std::vector<std::string> list_unseen(const CampaignData& data, const std::vector<double>& margins) {
+  const CampaignData drawn = data.get_drawn();
+  std::vector<std::string> names;
+  std::size_t input = 0;
+  for (const Json& parameter : data.manifest.at("parameters"))
+    for (std::size_t k = 0; k < parameter.at("numbers").get<std::size_t>(); ++k, ++input) {
+      std::vector<double> seen = drawn.read_input(input);
+      const std::size_t all = seen.size();
+      std::ranges::sort(seen);
+      seen.erase(std::ranges::unique(seen).begin(), seen.end());
+      if (2 * seen.size() > all) continue;  // continuous
+      const std::vector<double> values = data.read_input(input);
+      bool is_unseen = false;
+      for (std::size_t row = 0; row < data.rows && !is_unseen; ++row)
+        is_unseen = margins[row] < 0 && !std::ranges::binary_search(seen, values[row]);
+      const std::string name = parameter.at("name");
+      if (is_unseen && (names.empty() || names.back() != name)) names.push_back(name);
+    }
+  return names;
+}
+
 Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   hil::SamplingPlan plan;
   plan.seed = data.manifest.at("seed");
@@ -234,11 +257,18 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   json["reached"] = estimate.reached;
   json["tied"] = estimate.tied;
   // The levels take unresolved samples for failures, so that only the upper bound holds where there are any.
-  const bool known = estimate.decided && unresolved == 0;
+  const std::vector<std::string> unseen = list_unseen(data, margins);
+  const bool known = estimate.decided && unresolved == 0 && unseen.empty();
   json["decided"] = known;
+  json["unseen"] = unseen;
   json["probability"] = known ? to_json(estimate.probability) : Json(nullptr);
   json["deviation"] = known ? to_json(estimate.deviation) : Json(nullptr);
   json["interval"] = {unresolved == 0 ? estimate.low : 0.0, estimate.high};
+  if (!unseen.empty()) {  // the independent samples alone bound it
+    const hil::SubsetLevel& first = subset.levels().front();
+    const hil::Interval bounds = hil::calc_clopper_pearson(first.failed, first.last - first.first);
+    json["interval"] = {unresolved == 0 ? bounds.low : 0.0, bounds.high};
+  }
   json["met"] = known && estimate.reached && estimate.high <= failure.at_most;
   json["failed_samples"] = failed;
   json["unresolved_samples"] = unresolved;

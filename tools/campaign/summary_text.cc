@@ -65,6 +65,16 @@ void print_rare(std::FILE* to, const Json& rare) {
     std::fprintf(to, "  %s\n", paint(to, Colour::kRed, most).c_str());
     return;
   }
+  if (!rare.at("unseen").empty()) {
+    std::string names;
+    for (const Json& name : rare.at("unseen")) names += (names.empty() ? "" : ", ") + name.get<std::string>();
+    const std::string open =
+        format("undecided: probability at most %.2e (95 %%), without an estimate: failures have values of %s",
+               rare.at("interval")[1].get<double>(), names.c_str()) +
+        " that none of the independent samples has: more samples";
+    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, open).c_str());
+    return;
+  }
   if (!rare.at("decided").get<bool>()) {
     const long long failed = rare.at("levels_run").back().at("failed").get<long long>();
     const std::string open =

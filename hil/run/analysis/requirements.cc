@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "hil/run/analysis/assemblies.h"
 #include "hil/run/analysis/extreme_verdict.h"
@@ -342,8 +343,10 @@ void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot&
   const auto add = [&](const MotionKnot& knot, bool begins_here) {
     track.law->add(knot.time, knot.quantities, commands, begins_here);
     const double value = calc_sample(track, knot);
-    track.law_values[0] = track.law_values[1];
-    track.law_values[1] = value;
+    std::ranges::rotate(track.law_times, track.law_times.begin() + 1);
+    std::ranges::rotate(track.law_values, track.law_values.begin() + 1);
+    track.law_times.back() = knot.time;
+    track.law_values.back() = value;
     if (low != nullptr) low->take(knot.time, value);
     if (high != nullptr) high->take(knot.time, -value);
   };
@@ -355,22 +358,57 @@ void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot&
   search_law(track, LawEnd::kGoesOn);
 }
 
+namespace {
+
+// What the values of a law at the latest knots say of one interval between two of them.
+struct LawSpread {
+  double lower = 0, upper = 0;  // at its ends
+  double beyond = 0;            // how far an extreme within may be beyond these
+  double error = 0;             // how far the polynomial through the knots differs from that through one knot less
+};
+
+// `times`, `values`: of the latest knots of a smooth curve, two or more; `first`: the knot at which the interval
+// begins.
+LawSpread calc_spread(std::span<const double> times, std::span<const double> values, std::size_t first) {
+  const double a = values[first], b = values[first + 1], h = times[first + 1] - times[first];
+  LawSpread spread{.lower = std::min(a, b), .upper = std::max(a, b)};
+  if (values.size() == 2) {  // nothing says how it bends
+    spread.beyond = spread.error = std::abs(b - a);
+    return spread;
+  }
+  for (std::size_t k = 0; k + 2 < values.size(); ++k) {
+    const double slope = (values[k + 1] - values[k]) / (times[k + 1] - times[k]);
+    const double next = (values[k + 2] - values[k + 1]) / (times[k + 2] - times[k + 1]);
+    const double bend = 2 * (next - slope) / (times[k + 2] - times[k]);
+    spread.beyond = std::max(spread.beyond, std::abs(bend) * h * h / 4);  // a parabola's, twice
+  }
+  const double middle = times[first] + 0.5 * h;
+  const std::size_t rest = values.size() - 1, from = first == 0 ? 0 : 1;  // without the knot that is farther away
+  spread.error = std::abs(interpolate(times, values, middle) -
+                          interpolate(times.subspan(from, rest), values.subspan(from, rest), middle));
+  return spread;
+}
+
+}  // namespace
+
 // Searches the interval before the latest one, or where the curve ends the latest. An extreme between knots that is
-// more than kGain beyond those that are known depends on how well the polynomials of what the law reads are: there, and
-// between two knots alone, the step is taken again.
+// more than kGain beyond those that are known depends on how well the polynomials of what the law reads are. There the
+// step is taken again, and where the knots do not tell the law to kGain, and it may have its extreme.
 void RequirementMonitor::search_law(Track& track, LawEnd end) const {
   constexpr double kGain = 1e-3;  // of the value
-  const bool ends = end == LawEnd::kEnds, is_pair = ends && track.law->count_knots() == 2;
-  if (track.law->count_knots() < (ends ? 2 : 3)) return;
+  const bool ends = end == LawEnd::kEnds;
+  const auto knots = static_cast<std::size_t>(track.law->count_knots());
+  if (knots < (ends ? 2 : 3)) return;
+  const LawSpread spread = calc_spread(std::span(track.law_times).last(knots), std::span(track.law_values).last(knots),
+                                       knots - (ends ? 2 : 3));
   const LawCurve::Span span = ends ? track.law->get_latest_span() : track.law->get_span_before();
-  const double change = std::abs(track.law_values[1] - track.law_values[0]);
   const auto look = [&](bool is_low, Smallest& own, Track::LawDoubt& doubt) {
     Smallest tried = own;
     Smallest *const low = is_low ? &tried : nullptr, *const high = is_low ? nullptr : &tried;
     ends ? track.law->finish(low, high) : track.law->search(low, high);
-    const double sign = is_low ? 1 : -1, room = kGain * std::abs(tried.get_value());
-    const double beyond = std::min(sign * track.law_values[0], sign * track.law_values[1]) - change;
-    const bool may_be_beyond = is_pair && change > room && beyond < own.get_value();
+    const double room = kGain * std::abs(tried.get_value());
+    const double beyond = (is_low ? spread.lower : -spread.upper) - spread.beyond;
+    const bool may_be_beyond = spread.error > room && beyond < own.get_value();
     const double gain = own.get_value() - tried.get_value();
     Smallest found = own;
     if ((gain > room || may_be_beyond) && refine_law(track, span, is_low, found)) {
@@ -380,7 +418,7 @@ void RequirementMonitor::search_law(Track& track, LawEnd end) const {
       return;
     }
     if (gain > 0) doubt.error = gain > room ? gain : 0;
-    if (may_be_beyond) doubt.unsearched = std::min(doubt.unsearched, beyond);
+    if (may_be_beyond && knots == 2) doubt.unsearched = std::min(doubt.unsearched, beyond);
     own = tried;
   };
   const Take take = track.requirement->take;

@@ -2,6 +2,7 @@
 // "unresolved". Minima and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/joint_frame.h"
 #include "hil/run/motion/motion_window.h"
+#include "hil/run/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/step.h"
 
@@ -92,7 +94,8 @@ class RequirementMonitor {
     struct LawDoubt {
       double error = 0, unsearched = std::numeric_limits<double>::infinity();
     } low_doubt, high_doubt;
-    double law_values[2] = {};
+    // Of the law, at the latest knots, the last one last.
+    std::array<double, kCurvePoints> law_times{}, law_values{};
     bool jumps = false;                     // it may jump where forces do and no acceleration does
     SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
     bool judged = false;                    // a copy, for a verdict

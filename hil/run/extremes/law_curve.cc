@@ -82,7 +82,7 @@ void LawCurve::add(double time, std::span<const double> quantities, std::span<co
     read.latest = value;
     read.curve.add(time, value + read.turned, begins);
   }
-  knots_ = begins ? 1 : std::min(knots_ + 1, 3);
+  knots_ = begins ? 1 : std::min(knots_ + 1, kCurvePoints);
   std::swap(before_, latest_);
   latest_.from = before_.to;
   latest_.to = time;

@@ -43,7 +43,7 @@ class LawCurve {
   };
   [[nodiscard]] Span get_span_before() const { return {before_.from, before_.to}; }
   [[nodiscard]] Span get_latest_span() const { return {latest_.from, latest_.to}; }
-  // Knots of this smooth curve, as far as they are counted: 3 are three or more.
+  // Knots of this smooth curve, as far as they are counted: kCurvePoints are so many or more.
   [[nodiscard]] int count_knots() const { return knots_; }
 
  private:
@@ -72,7 +72,7 @@ class LawCurve {
   LawCourses courses_;
   std::vector<Course> quantities_;  // the model's
   Interval latest_, before_;
-  int knots_ = 0;  // of this smooth curve, at most three
+  int knots_ = 0;  // of this smooth curve, at most kCurvePoints
   int left_ = 0;   // evaluations in this interval
 };
 

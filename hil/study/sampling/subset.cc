@@ -200,16 +200,22 @@ SubsetEstimate SubsetSimulation::calc_estimate() const {
     product *= level.probability;
     square += level.deviation * level.deviation;
   }
-  constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 0.975
-  const double factor = elementary::exp(kQuantile * std::sqrt(calc_log(1 + square)));
-  estimate.high = std::min(1.0, product * factor);
-  if (estimate.decided) {
+  if (estimate.decided && !alone) {
+    constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 0.975
+    const double factor = elementary::exp(kQuantile * std::sqrt(calc_log(1 + square)));
     estimate.probability = product;
     estimate.deviation = std::sqrt(square);
     estimate.low = product / factor;
+    estimate.high = std::min(1.0, product * factor);
+    return estimate;
   }
-  if (!alone) return estimate;
-  const Interval bounds = calc_clopper_pearson(last.failed, last.last - last.first);
+  if (estimate.decided) {
+    estimate.probability = product;
+    estimate.deviation = std::sqrt(square);
+  }
+  // What chains have not found may be elsewhere: without an estimate the independent samples alone bound it.
+  const SubsetLevel& first = levels_.front();
+  const Interval bounds = calc_clopper_pearson(first.failed, first.last - first.first);
   estimate.low = bounds.low;
   estimate.high = bounds.high;
   return estimate;

@@ -9,6 +9,7 @@ import csv
 import json
 import math
 import statistics
+import subprocess
 
 from browser import Browser
 from processes import UNLATCH, ProcessTest, main
@@ -173,6 +174,31 @@ class CampaignDesignsTest(ProcessTest):
             self.assertEqual((rare["reached"], len(rare["levels_run"])), (True, 1))
             held += rare["interval"][0] <= 0.04 <= rare["interval"][1]
         self.assertGreaterEqual(held, 8)
+
+    # One sample in a thousand has a flag, with which nearly all fail: where no independent sample has it, chains that come to it
+    # do not say how probable it is.
+    def test_failures_with_a_value_that_no_independent_sample_has_are_undecided(self):
+        wrong, undecided = 0, 0
+        probability = 1e-3 * statistics.NormalDist().cdf(1)
+        (self.folder / "flag.yaml").write_text(
+            "unlatch: 1\nname: flag\nstep: {dt: 0.01, until: 0.01}\nconstants: {x: 0, y: 0}\nbodies:\n"
+            "  ball: {mass: 2, inertia: [1, 1, 1], velocity: [x + 10*y, 0, 0]}\n"
+            "requirements:\n  - {id: fast, text: it is slow, velocity: {body: ball, component: x}, take: final, at_most: 9}\n")
+        for seed in range(1, 9):
+            path = self.folder / f"flag{seed}.yaml"
+            path.write_text(f"unlatch_campaign: 1\nname: flag\nscenario: flag.yaml\nsampling: subset\nsamples: 300\nseed: {seed}\n"
+                            "subset: {of: fast}\nparameters:\n  x: {path: constants.x, normal: {mean: 0, sigma: 1}}\n"
+                            "  y: {path: constants.y, discrete: {values: [0, 1], weights: [0.999, 0.001]}}\n")
+            done = subprocess.run([UNLATCH, "campaign", path, "--out", self.folder / f"flag{seed}"], capture_output=True, text=True)
+            rare = json.loads((self.folder / f"flag{seed}/summary.json").read_text())["rare"]
+            self.assertGreaterEqual(rare["interval"][1], probability, (seed, rare["interval"]))
+            undecided += not rare["decided"]
+            if rare["unseen"]:
+                self.assertIn("values of y that none of the independent samples has", done.stdout)
+                self.assertEqual(done.returncode, 1)
+                wrong += rare["decided"]
+        self.assertEqual(wrong, 0)
+        self.assertGreater(undecided, 2)  # of three campaigns two have no flag among 300 samples
 
     def test_rare_failures_that_equal_margins_hide_are_undecided(self):
         rest = ("sampling: subset\nsamples: 200\nsubset: {of: fast, at_most: 0.5}\n"

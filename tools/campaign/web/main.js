@@ -12,6 +12,7 @@ function showRare(rare) {
   const failure = `${rare.column} ${rare.above ? 'above' : 'below'} ${show(rare.limit)} ${rare.unit}`;
   const result = !rare.finished ? 'The campaign has not ended.'
     : rare.unresolved_samples > 0 ? `at most ${rare.interval[1].toExponential(2)} (95 %), without an estimate: ${rare.unresolved_samples} unresolved samples are taken for failures`
+    : rare.unseen.length > 0 ? `undecided: at most ${rare.interval[1].toExponential(2)} (95 %), without an estimate: failures have values of ${rare.unseen.join(', ')} that none of the independent samples has`
     : !rare.decided ? `undecided: at most ${rare.interval[1].toExponential(2)} (95 %), without an estimate: ${rare.levels_run.at(-1).failed} of the last level fail${rare.tied ? ', and so many of the others have the same margin that no level leads further' : ''}`
     : `${rare.probability.toExponential(2)}, 95 %: ${rare.interval[0].toExponential(2)} … ${rare.interval[1].toExponential(2)}, coefficient of variation ${show(rare.deviation, 2)}` +
       (rare.reached ? '' : rare.tied ? '; few samples fail, and no level leads further: more samples' : '; the last level had too few failures: more levels, or a probability that is smaller still') + (rare.at_most < 1 ? `; allowed are ${rare.at_most.toExponential(2)}` : '');
