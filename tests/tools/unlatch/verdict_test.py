@@ -238,6 +238,33 @@ requirements:
         self.assertEqual(text.count("; without the impulse of the blow at 0.1 s"), 2)
 
     # The balls are 0.3 m apart for a twentieth of a step; the limit is so far away that the verdict is sure.
+    # A table bends at 0.0576 s and 0.1225 s, and the sum has its minimum in the piece of a step after the second bend, or where a
+    # step is 0.9 rad of what it reads: few knots tell it, and it is the acceleration, whose own extreme was right there.
+    def test_the_extreme_of_an_expression_beside_a_corner_is_that_of_what_it_is_made_of(self):
+        frequency, amplitude, phase = 21.706647017657275, 2.8543448406847665, 1.7158573784972122
+        text = f"""unlatch: 1
+name: bend
+step: {{dt: 20 ms, until: 0.2}}
+bodies:
+  m: {{mass: 1 kg, inertia: [1, 1, 1]}}
+elements:
+  f: {{type: force, body: m, direction: [1, 0, 0], profile: {{harmonic: [{{amplitude: {amplitude} N, frequency: {frequency}, phase: {phase}}}]}}}}
+  g: {{type: force, body: m, direction: [1, 0, 0], profile: {{table: {{times: [57.6 ms, 122.5 ms], values: [2.5 N, 3.788928876398775 N]}}}}}}
+quantities:
+  fa: {{force: {{element: f}}}}
+  fg: {{force: {{element: g}}}}
+requirements:
+  - {{id: sum, expression: "fa + fg", at_least: 0.936 N}}
+  - {{id: same, acceleration: {{body: m, component: x}}, at_least: 0.936 m/s2}}
+"""
+        # Its least value: the amplitude is reached at 0.138 s, behind the last bend.
+        least = 3.788928876398775 - amplitude
+        for dt, near in (("20 ms", 1e-5), ("40 ms", 1e-3)):
+            found = self.run_json(UNLATCH, "run", self.write(text.replace("20 ms", dt)), code=1)["verdict"]
+            for one in found:
+                self.assertFalse(one["met"], one)
+                self.assertAlmostEqual(one["value"], least, delta=near + one.get("uncertainty", 0), msg=str(one))
+
     def test_an_extreme_that_is_not_known_to_a_thousandth_says_how_far_it_may_be_off(self):
         path = self.write("""unlatch: 1
 name: pass
