@@ -11,6 +11,10 @@ namespace unlatch::bench {
 namespace {
 
 constexpr double kLimit = 1.6;
+// With 200 bodies the time is that of writing and reading typed messages, which depends on the processor: 1.2 to 1.5 on
+// an AMD EPYC of Zen 3, 1.5 (in process) and 1.8 to 2.0 (DDS) on an Intel Xeon of the Skylake family. What adds a wait
+// or a thread is seen with 5 bodies.
+constexpr double kLimitOfMany = 2.5;
 constexpr int kTurns = 25;
 constexpr int kAttempts = 3;  // a stall of the machine that affects one of the two does not happen three times
 
@@ -19,14 +23,15 @@ class BridgeCost : public testing::TestWithParam<const char*> {};
 TEST_P(BridgeCost, TheProtocolAddsLittle) {
   const std::string transport = GetParam();
   for (const int bodies : {kFew, kMany}) {
-    double ratio = 2 * kLimit;
-    for (int attempt = 0; attempt < kAttempts && ratio > kLimit; ++attempt) {
+    const double limit = bodies == kMany ? kLimitOfMany : kLimit;
+    double ratio = 2 * limit;
+    for (int attempt = 0; attempt < kAttempts && ratio > limit; ++attempt) {
       const std::vector<double> us = measure_in_turns_us({"bare_" + transport, transport}, bodies, kTurns);
       ratio = us[1] / us[0];
       std::cout << transport << ", " << bodies << " bodies: bare " << us[0] << " us, protocol " << us[1]
                 << " us, ratio " << ratio << '\n';
     }
-    EXPECT_LT(ratio, kLimit) << bodies << " bodies";
+    EXPECT_LT(ratio, limit) << bodies << " bodies";
   }
 }
 
