@@ -265,8 +265,7 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   json["deviation"] = known ? to_json(estimate.deviation) : Json(nullptr);
   json["interval"] = {unresolved == 0 ? estimate.low : 0.0, estimate.high};
   if (!unseen.empty()) {  // the independent samples alone bound it
-    const hil::SubsetLevel& first = subset.levels().front();
-    const hil::Interval bounds = hil::calc_clopper_pearson(first.failed, first.last - first.first);
+    const hil::Interval bounds = subset.calc_first_bounds();
     json["interval"] = {unresolved == 0 ? bounds.low : 0.0, bounds.high};
   }
   json["met"] = known && estimate.reached && estimate.high <= failure.at_most;

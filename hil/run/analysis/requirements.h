@@ -90,7 +90,7 @@ class RequirementMonitor {
     ExtremeBounds bounds;                    // instead, of what is known at knots alone
     std::optional<LawCurve> law, finer_law;  // instead, of a quantity that is a law; of the knots of finer steps
     // Of a law: how far both extremes may be wrong; what they may be between two knots behind which nothing goes on
-    // smoothly; the latest two values.
+    // smoothly.
     struct LawDoubt {
       double error = 0, unsearched = std::numeric_limits<double>::infinity();
     } low_doubt, high_doubt;

@@ -7,7 +7,6 @@
 
 #include "hil/scenario/base/normal.h"
 #include "hil/scenario/base/philox.h"
-#include "hil/study/statistics/statistics.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -185,6 +184,11 @@ void SubsetSimulation::begin_level(const std::vector<std::size_t>& order, std::s
   plan_step();
 }
 
+Interval SubsetSimulation::calc_first_bounds() const {
+  const SubsetLevel& first = levels_.front();
+  return calc_clopper_pearson(first.failed, first.last - first.first);
+}
+
 SubsetEstimate SubsetSimulation::calc_estimate() const {
   SubsetEstimate estimate;
   estimate.reached = reached_;
@@ -214,8 +218,7 @@ SubsetEstimate SubsetSimulation::calc_estimate() const {
     estimate.deviation = std::sqrt(square);
   }
   // What chains have not found may be elsewhere: without an estimate the independent samples alone bound it.
-  const SubsetLevel& first = levels_.front();
-  const Interval bounds = calc_clopper_pearson(first.failed, first.last - first.first);
+  const Interval bounds = calc_first_bounds();
   estimate.low = bounds.low;
   estimate.high = bounds.high;
   return estimate;

@@ -21,6 +21,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hil/study/statistics/statistics.h"
+
 namespace unlatch::hil {
 
 struct SubsetPlan {
@@ -69,6 +71,9 @@ class SubsetSimulation {
   // Complete levels.
   [[nodiscard]] const std::vector<SubsetLevel>& levels() const { return levels_; }
   [[nodiscard]] SubsetEstimate calc_estimate() const;
+  // 95 % bounds by Clopper and Pearson of the independent samples of level 0, which hold whatever the chains have not
+  // found. There is a complete level.
+  [[nodiscard]] Interval calc_first_bounds() const;
 
  private:
   struct State {

@@ -235,7 +235,7 @@ class CampaignDesignsTest(ProcessTest):
                     self.assertTrue(interval[0] <= index <= interval[1], (sampling, index, interval))
 
     def test_components_of_a_direction_are_said_to_overlap(self):
-        # What the ball's own direction makes of its speed along x is told by each of the three components.
+        # What the ball's own direction makes of its speed along x is explained by each of the three components.
         tilted = BALL.replace("velocity: [v + w, 0, 0]", "velocity: [v, 0, 0]").replace("constants: {v: 1 m/s, w: 1 m/s}", "constants: {v: 1 m/s}")
         tilted = tilted.replace("bodies:", "elements: {push: {type: force, body: ball, direction: [1, 0, 0], profile: 100 N}}\nbodies:")
         tilted = tilted.replace("relative_to: base}", "relative_to: base, along: [1, 0, 0]}")

@@ -382,7 +382,7 @@ class OptimizeTest(ProcessTest):
             self.assertEqual(one["met"], low >= 0)
             self.assertEqual(result["status"] == "undecided", low < 0 <= high)
 
-    # The search asks for all of its samples so that others confirm it: what is told is of the wanted probability.
+    # The search asks for all of its samples so that others confirm it: what is reported is of the wanted probability.
     def test_values_of_a_probability_are_those_of_the_wanted_one_by_fresh_samples(self):
         for seed in 1, 2:
             self.write_campaign(64, seed=seed)
