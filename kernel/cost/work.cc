@@ -134,7 +134,9 @@ void count_bodies(const PlanData& plan, int lanes, Work& work) {
     const int passes = (used + pack - 1) / pack;
     work[by_lanes(Unit::kBodies1, pack)] += passes;
     if (plan.gravity.mu != 0) work[Unit::kCentral] += passes;
-    if (eight.loaded) work[Unit::kLoaded] += passes;
+    if (!eight.loaded) continue;
+    work[Unit::kLoaded] += passes;
+    work[Unit::kLoadedEights] += 1;  // whose forces are cleared, all lanes of them
   }
   work[Unit::kBodyCount] = static_cast<double>(plan.bodies.size());
   work[Unit::kJointCount] = static_cast<double>(plan.joints.size());

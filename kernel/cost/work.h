@@ -30,6 +30,7 @@ namespace unlatch::cost {
   /* of passes over bodies */ \
   X(Central, "central") \
   X(Loaded, "loaded") \
+  X(LoadedEights, "loaded eights") \
   /* of passes over joints */ \
   X(OwnRotationAxes, "own rotation axes") \
   X(Universal, "universal") \

@@ -24,6 +24,7 @@ constexpr Unit kUnitsMeasured[] = {
     Unit::kInner4,
     Unit::kCentral,
     Unit::kLoaded,
+    Unit::kLoadedEights,
     Unit::kOwnRotationAxes,
     Unit::kUniversal,
     Unit::kBaseChild,

@@ -251,6 +251,20 @@ TEST(Work, LoadsThatAreSwitchedAlikeReadOneValueOfTheirProfile) {
   EXPECT_EQ(count_exponentials(true), 2);
 }
 
+TEST(Work, ForcesAreClearedOncePerEightOfLoadedBodiesHoweverNarrowThePacks) {
+  Model model = build_random_model(11, {.shape = RandomModelOptions::Shape::kStar, .bodies = 6});
+  const auto count = [&](cost::Unit unit, int lanes) {
+    return cost::count_work(compile_or_throw(model, {}), lanes)[unit];
+  };
+  EXPECT_EQ(count(cost::Unit::kLoadedEights, 1), 0);
+  Load load;
+  load.name = "load";
+  model.loads.push_back(load);
+  EXPECT_EQ(count(cost::Unit::kLoadedEights, 1), 1);
+  EXPECT_EQ(count(cost::Unit::kLoadedEights, 4), 1);
+  EXPECT_GT(count(cost::Unit::kLoaded, 1), count(cost::Unit::kLoaded, 4));
+}
+
 TEST(Work, EveryUnitHasANameOfItsOwn) {
   std::set<std::string> names;
   for (const char* name : cost::kUnitNames) EXPECT_TRUE(names.insert(name).second) << name;
