@@ -78,19 +78,33 @@ int find_reaction(const Model& model, const Requirement& r) {
   return of && get_traits(of->kind).of_reaction ? of->subject : kNone;
 }
 
-// True of reactions, forces and accelerations, and of expressions that read some.
-bool may_jump(const Model& model, const Requirement& r) {
-  const auto is_force = [](const unlatch::Quantity& quantity) {
-    return get_traits(quantity.kind).motion == QuantityMotion::kForces;
-  };
+// True if it is of this kind, or an expression that reads some of it.
+template <class IsSuch>
+bool reads_some(const Model& model, const Requirement& r, const IsSuch& is_such) {
   if (const int law = find_law(model, r); law != kNone) {
     for (const int own : list_laws_behind(model, model.quantities[at(law)].subject))
       for (const LawStep& step : model.laws[at(own)].steps)
-        if (step.kind == LawStep::Kind::kQuantity && is_force(model.quantities[at(step.subject)])) return true;
+        if (step.kind == LawStep::Kind::kQuantity &&
+            is_such(get_traits(model.quantities[at(step.subject)].kind).motion))
+          return true;
     return false;
   }
   const std::optional<unlatch::Quantity> of = find_quantity(model, r);
-  return r.quantity == Measure::kReaction || (of && is_force(*of));
+  return of && is_such(get_traits(of->kind).motion);
+}
+
+// True of reactions, forces and accelerations, and of expressions that read some.
+bool may_jump(const Model& model, const Requirement& r) {
+  const auto is_force = [](QuantityMotion motion) { return motion == QuantityMotion::kForces; };
+  return r.quantity == Measure::kReaction || reads_some(model, r, is_force);
+}
+
+// True of an expression that has no corner where the motion has one, of its accelerations: it reads places alone.
+bool goes_through_corners(const Model& model, const Requirement& r) {
+  const auto has_corner = [](QuantityMotion motion) {
+    return motion == QuantityMotion::kForces || motion == QuantityMotion::kSpeeds || motion == QuantityMotion::kOfAll;
+  };
+  return find_law(model, r) != kNone && !reads_some(model, r, has_corner);
 }
 
 bool goes_straight(const Model& model, const Requirement& r) {
@@ -168,6 +182,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
     track.straight = goes_straight(scenario.model, requirement);
     track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
     track.jumps = may_jump(scenario.model, requirement);
+    track.goes_on = goes_through_corners(scenario.model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
     track.bounded = is_bounded(scenario.model, requirement);
     if (!finer_ && track.bounded) finer_ = std::make_unique<FinerSteps>(simulation);
@@ -365,9 +380,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       continue;
     }
     track.apart = apart;
-    // What a law reads goes on smoothly through its corners.
     const bool begins =
-        track.fresh || (switched && track.jumps) || !(track.law ? window.is_continuous() : window.is_smooth());
+        track.fresh || (switched && track.jumps) || !(track.goes_on ? window.is_continuous() : window.is_smooth());
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
@@ -500,8 +514,8 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     track.low.take(least.found, from_smooth(track.part, least.value));
     track.high.take(most.found, -from_smooth(track.part, -most.value));
   }
-  const Smallest& least = track.law ? track.law->get_low().found : track.low;
-  const Smallest& most = track.law ? track.law->get_high().found : track.high;
+  const Smallest& least = track.law ? track.law->get_low().value : track.low;
+  const Smallest& most = track.law ? track.law->get_high().value : track.high;
   const double low = least.get_value(), high = -most.get_value();
   const double low_time = least.get_time(), high_time = most.get_time();
   switch (r.take) {
@@ -526,11 +540,11 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
       }
   }
   if (!track.bounded) return verdict;
-  const auto get = [](const LawExtremes::Side& own) {
-    const double value = own.found.get_value();
-    return ExtremeBounds::Bound{.least = value - own.error,
-                                .most = value + own.error,
-                                .time = own.found.get_time(),
+  const auto get = [](const LawCurve::Found& own) {
+    const double value = own.value.get_value();
+    return ExtremeBounds::Bound{.least = std::min(own.least, value),
+                                .most = std::max(own.most, value),
+                                .time = own.value.get_time(),
                                 .value = value,
                                 .unsearched = own.unsearched};
   };

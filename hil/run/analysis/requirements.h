@@ -88,6 +88,7 @@ class RequirementMonitor {
     ExtremeBounds bounds;                   // instead, of what is known at knots alone
     std::optional<LawExtremes> law;         // instead, of a quantity that is a law
     bool jumps = false;                     // it may jump where forces do and no acceleration does
+    bool goes_on = false;                   // smoothly where the motion has a corner of its accelerations
     SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
     bool judged = false;                    // a copy, for a verdict
     bool bounded = false;                   // as is_bounded()
