@@ -206,6 +206,7 @@ unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* coun
     return fail(UNLATCH_ERROR_ORDER,
                 "this simulation does not judge; load it with UNLATCH_JUDGE in the options' flags");
   verdicts_ = analysis_->judge();
+  certainties_.clear();
   for (std::size_t i = 0; i < verdicts_.size(); ++i) {
     const hil::Verdict& verdict = verdicts_[i];
     if (!verdicts_[i].is_resolved()) verdicts_[i].why = "unresolved: " + verdicts_[i].unresolved;
@@ -216,9 +217,16 @@ unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* coun
                          verdict.margin,
                          verdict.time,
                          verdict.why.c_str()};
+    certainties_.push_back({verdict.uncertainty, verdict.at_ticks ? 1 : 0});
   }
   *verdicts = verdict_views_.data();
   *count = verdict_views_.size();
+  return UNLATCH_OK;
+}
+
+unlatch_status Engine::get_certainties(const unlatch_certainty** certainties, std::size_t* count) const {
+  *certainties = certainties_.data();
+  *count = certainties_.size();
   return UNLATCH_OK;
 }
 

@@ -73,6 +73,7 @@ class Engine {
     if (lost != nullptr) *lost = lost_events_;
   }
   unlatch_status judge(const unlatch_verdict** verdicts, std::size_t* count);
+  unlatch_status get_certainties(const unlatch_certainty** certainties, std::size_t* count) const;
   unlatch_status get_findings(const unlatch_finding** findings, std::size_t* count);
   unlatch_status linearize(const unlatch_linear_model** model);
   unlatch_status get_linear_response(const unlatch_linear_response** response) const;
@@ -136,6 +137,7 @@ class Engine {
   std::vector<double> received_;  // of a replayed session
   std::vector<hil::Verdict> verdicts_;
   std::vector<unlatch_verdict> verdict_views_;
+  std::vector<unlatch_certainty> certainties_;         // of verdicts_
   std::optional<std::vector<hil::Finding>> findings_;  // about the scenario, from the first call on
   std::vector<hil::RunNotice> told_;                   // notices of finding_views_
   std::vector<unlatch_finding> finding_views_;

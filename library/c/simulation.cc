@@ -198,6 +198,13 @@ unlatch_status unlatch_judge(unlatch_simulation* simulation, const unlatch_verdi
   return with_engine(simulation, [&](Engine& engine) { return engine.judge(verdicts, count); });
 }
 
+unlatch_status unlatch_get_certainties(unlatch_simulation* simulation, const unlatch_certainty** certainties,
+                                       size_t* count) {
+  if (certainties == nullptr || count == nullptr)
+    return refuse_null("the place for the certainties, or for their number");
+  return with_engine(simulation, [&](Engine& engine) { return engine.get_certainties(certainties, count); });
+}
+
 unlatch_status unlatch_get_findings(unlatch_simulation* simulation, const unlatch_finding** findings, size_t* count) {
   if (findings == nullptr || count == nullptr) return refuse_null("the place for the findings, or for their number");
   return with_engine(simulation, [&](Engine& engine) { return engine.get_findings(findings, count); });

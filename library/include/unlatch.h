@@ -248,6 +248,17 @@ typedef struct unlatch_verdict {
 UNLATCH_API unlatch_status unlatch_judge(unlatch_simulation* simulation, const unlatch_verdict** verdicts,
                                          size_t* count);
 
+/* How well the value of a verdict is known. */
+typedef struct unlatch_certainty {
+  double uncertainty; /* in the requirement's unit: how far an extreme between steps may be wrong, at most; else 0 */
+  int32_t at_ticks;   /* 1: the value is that of a tick or an event, and may be beyond it in between; else 0 */
+} unlatch_certainty;
+
+/* Returns one for each verdict of the latest unlatch_judge(), in their order; before it none. *certainties keeps its
+ * address; its contents are those of the latest unlatch_judge(). */
+UNLATCH_API unlatch_status unlatch_get_certainties(unlatch_simulation* simulation,
+                                                   const unlatch_certainty** certainties, size_t* count);
+
 /* A fact that one should know before one trusts the results. */
 typedef struct unlatch_finding {
   int32_t of_run;          /* 0: of the scenario, as `unlatch check` prints it; 1: noticed at a step */

@@ -194,10 +194,13 @@ class Simulation {
     const unlatch_verdict* verdicts = nullptr;
     std::size_t count = 0;
     check(unlatch_judge(get(), &verdicts, &count));
+    const unlatch_certainty* certainties = nullptr;
+    check(unlatch_get_certainties(get(), &certainties, &count));
     py::list list;
     for (std::size_t i = 0; i < count; ++i) {
       const unlatch_verdict& v = verdicts[i];
-      list.append(py::make_tuple(v.evaluated != 0, v.met != 0, v.value, v.limit, v.margin, v.time, v.why));
+      list.append(py::make_tuple(v.evaluated != 0, v.met != 0, v.value, v.limit, v.margin, v.time, v.why,
+                                 certainties[i].uncertainty, certainties[i].at_ticks != 0));
     }
     return list;
   }

@@ -38,6 +38,7 @@ std::vector<std::function<unlatch_status(void*)>> list_calls() {
   static unlatch_array array;
   static const unlatch_event* events;
   static const unlatch_verdict* verdicts;
+  static const unlatch_certainty* certainties;
   static const unlatch_finding* findings;
   item.size = sizeof item;
   array.size = sizeof array;
@@ -60,6 +61,7 @@ std::vector<std::function<unlatch_status(void*)>> list_calls() {
       [=](void* h) { return unlatch_get_array(sim(h), UNLATCH_POSITIONS, 0, &array); },
       [=](void* h) { return unlatch_get_events(sim(h), &events, &number, &bits); },
       [=](void* h) { return unlatch_judge(sim(h), &verdicts, &number); },
+      [=](void* h) { return unlatch_get_certainties(sim(h), &certainties, &number); },
       [=](void* h) { return unlatch_get_findings(sim(h), &findings, &number); },
       [=](void* h) { return unlatch_save(sim(h), nullptr, 0, &number); },
       [=](void* h) { return unlatch_restore(sim(h), &real, sizeof real); },
@@ -137,6 +139,7 @@ TEST(HostileUse, NullArgumentsAreRefused) {
   EXPECT_EQ(unlatch_get_array(sim.get(), UNLATCH_POSITIONS, 0, nullptr), UNLATCH_ERROR_ARGUMENT);
   EXPECT_EQ(unlatch_get_events(sim.get(), nullptr, nullptr, nullptr), UNLATCH_ERROR_ARGUMENT);
   EXPECT_EQ(unlatch_judge(sim.get(), nullptr, nullptr), UNLATCH_ERROR_ARGUMENT);
+  EXPECT_EQ(unlatch_get_certainties(sim.get(), nullptr, nullptr), UNLATCH_ERROR_ARGUMENT);
   EXPECT_EQ(unlatch_get_findings(sim.get(), nullptr, nullptr), UNLATCH_ERROR_ARGUMENT);
   EXPECT_EQ(unlatch_save(sim.get(), nullptr, 100, nullptr), UNLATCH_ERROR_ARGUMENT);
   EXPECT_EQ(unlatch_restore(sim.get(), nullptr, 100), UNLATCH_ERROR_ARGUMENT);

@@ -245,6 +245,7 @@ class PythonTest(ProcessTest):
             self.assertEqual([(e.name, e.subject, e.tick) for e in sim.events], [("ties_cut", f"booster{i}", 0) for i in range(1, 5)])
             verdict = sim.verdicts[0]
             self.assertEqual((verdict.id, verdict.unit, verdict.limit), ("distance1", "m", 0.1))
+            self.assertEqual((verdict.uncertainty, verdict.at_ticks), (0, False))  # a clearance is exact
             self.assertGreater(sim.clearances["core – booster1"][0], 0)
         with unlatch.load(BOOSTERS) as sim:
             self.assertRaises(unlatch.OrderError, lambda: sim.verdicts)

@@ -372,6 +372,40 @@ TEST(CLibrary, NoticingChangesNoBit) {
   EXPECT_EQ(noticing.get_hash(), plain.get_hash());
 }
 
+// Two balls that pass each other at 20 m a step, 0.3 m apart.
+TEST(CLibrary, AVerdictSaysHowFarItsValueMayBeWrong) {
+  const std::string text = R"(unlatch: 1
+name: shake
+step: {dt: 10 ms, until: 1 s}
+bodies:
+  c: {mass: 10, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  d: {mass: 10, inertia: [1, 1, 1], position: [-812, 0.5, 0], velocity: [2000, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+requirements:
+  - {id: speed, velocity: {body: d, component: x}, at_most: 3000}
+  - {id: distance, quantity: {clearance: {between: [c, d]}}, at_least: 0.01}
+)";
+  unlatch_options options{};
+  options.size = sizeof options;
+  options.flags = UNLATCH_JUDGE;
+  unlatch_simulation* handle = nullptr;
+  ASSERT_EQ(unlatch_load_text(text.data(), text.size(), "shake.yaml", &options, &handle), UNLATCH_OK)
+      << unlatch_get_error(0)->text;
+  const Loaded sim(handle);
+  const unlatch_certainty* certainties = nullptr;
+  std::size_t count = 1;
+  ASSERT_EQ(unlatch_get_certainties(sim.get(), &certainties, &count), UNLATCH_OK);
+  EXPECT_EQ(count, 0u);
+  ASSERT_EQ(unlatch_advance(sim.get(), 100, 0, nullptr), UNLATCH_OK);
+  const unlatch_verdict* verdicts = nullptr;
+  ASSERT_EQ(unlatch_judge(sim.get(), &verdicts, &count), UNLATCH_OK);
+  ASSERT_EQ(unlatch_get_certainties(sim.get(), &certainties, &count), UNLATCH_OK);
+  ASSERT_EQ(count, 2u);
+  EXPECT_EQ(certainties[0].uncertainty, 0);
+  EXPECT_EQ(verdicts[1].evaluated, 0);  // unresolved
+  EXPECT_GT(certainties[1].uncertainty, std::abs(verdicts[1].value - 0.3));
+  EXPECT_EQ(certainties[1].at_ticks, 0);
+}
+
 TEST(CLibrary, WithoutTheFlagThereAreNoVerdicts) {
   const Loaded sim(kReference);
   const unlatch_verdict* verdicts = nullptr;

@@ -54,14 +54,14 @@ SmoothPart find_smooth_part(const Model& model, const Requirement& r) {
   return unlatch::is_size(quantity) ? SmoothPart::kSquare : SmoothPart::kItself;
 }
 
-// The quantity that is a law and that the requirement is on, itself or by a sensor's true value; null: none.
-const unlatch::Quantity* find_law(const Model& model, const Requirement& r) {
+// The quantity that is a law and that the requirement is on, itself or by a sensor's true value; none.
+int find_law(const Model& model, const Requirement& r) {
   int quantity = kNone;
   if (r.quantity == Measure::kQuantity) quantity = r.a;
   if (r.quantity == Measure::kSensor && !r.received && model.sensors[at(r.a)].kind == Sensor::Kind::kQuantity)
     quantity = model.sensors[at(r.a)].subject;
-  if (quantity == kNone || model.quantities[at(quantity)].kind != unlatch::Quantity::Kind::kLaw) return nullptr;
-  return &model.quantities[at(quantity)];
+  const bool is_law = quantity != kNone && model.quantities[at(quantity)].kind == unlatch::Quantity::Kind::kLaw;
+  return is_law ? quantity : kNone;
 }
 
 // The quantity that it is on, itself or as a sensor measures it; none.
@@ -78,19 +78,33 @@ int find_reaction(const Model& model, const Requirement& r) {
   return of && get_traits(of->kind).of_reaction ? of->subject : kNone;
 }
 
-// True of reactions, forces and accelerations, and of expressions that read some.
-bool may_jump(const Model& model, const Requirement& r) {
-  const auto is_force = [](const unlatch::Quantity& quantity) {
-    return get_traits(quantity.kind).motion == QuantityMotion::kForces;
-  };
-  if (const unlatch::Quantity* const law = find_law(model, r)) {
-    for (const int own : list_laws_behind(model, law->subject))
+// True if it is of this kind, or an expression that reads some of it.
+template <class IsSuch>
+bool reads_some(const Model& model, const Requirement& r, const IsSuch& is_such) {
+  if (const int law = find_law(model, r); law != kNone) {
+    for (const int own : list_laws_behind(model, model.quantities[at(law)].subject))
       for (const LawStep& step : model.laws[at(own)].steps)
-        if (step.kind == LawStep::Kind::kQuantity && is_force(model.quantities[at(step.subject)])) return true;
+        if (step.kind == LawStep::Kind::kQuantity &&
+            is_such(get_traits(model.quantities[at(step.subject)].kind).motion))
+          return true;
     return false;
   }
   const std::optional<unlatch::Quantity> of = find_quantity(model, r);
-  return r.quantity == Measure::kReaction || (of && is_force(*of));
+  return of && is_such(get_traits(of->kind).motion);
+}
+
+// True of reactions, forces and accelerations, and of expressions that read some.
+bool may_jump(const Model& model, const Requirement& r) {
+  const auto is_force = [](QuantityMotion motion) { return motion == QuantityMotion::kForces; };
+  return r.quantity == Measure::kReaction || reads_some(model, r, is_force);
+}
+
+// True of an expression that has no corner where the motion has one, of its accelerations: it reads places alone.
+bool goes_through_corners(const Model& model, const Requirement& r) {
+  const auto has_corner = [](QuantityMotion motion) {
+    return motion == QuantityMotion::kForces || motion == QuantityMotion::kSpeeds || motion == QuantityMotion::kOfAll;
+  };
+  return find_law(model, r) != kNone && !reads_some(model, r, has_corner);
 }
 
 bool goes_straight(const Model& model, const Requirement& r) {
@@ -157,8 +171,9 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
-    if (const unlatch::Quantity* const own = find_law(scenario.model, requirement))
-      track.law.emplace(scenario.model, simulation.plan(), own->subject);
+    if (const int law = find_law(scenario.model, requirement); law != kNone)
+      track.law.emplace(scenario.model, simulation.plan(), law,
+                        LawExtremes::Sides{takes_low(requirement.take), takes_high(requirement.take)});
     if (quantity == Measure::kSensor && received_.empty())
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
@@ -167,6 +182,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
     track.straight = goes_straight(scenario.model, requirement);
     track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
     track.jumps = may_jump(scenario.model, requirement);
+    track.goes_on = goes_through_corners(scenario.model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
     track.bounded = is_bounded(scenario.model, requirement);
     if (!finer_ && track.bounded) finer_ = std::make_unique<FinerSteps>(simulation);
@@ -197,9 +213,8 @@ void RequirementMonitor::begin_step(const StepReport& report) {
   if (finer_) finer_->add(report);
 }
 
-FinerSteps::Again RequirementMonitor::take_again(const Track& track, double from, double to) const {
-  if (!finer_) return {};
-  return finer_->take(from, to, track.judged ? FinerSteps::Count::kNo : FinerSteps::Count::kYes);
+FinerSource RequirementMonitor::get_finer(const Track& track) const {
+  return {.steps = finer_.get(), .count = track.judged ? FinerSteps::Count::kNo : FinerSteps::Count::kYes};
 }
 
 // Values of a requirement in steps that are taken again.
@@ -208,7 +223,7 @@ class RequirementMonitor::FinerOfTrack final : public FinerValues {
   FinerOfTrack(const RequirementMonitor& monitor, const Track& track) : monitor_(monitor), track_(track) {}
   std::span<const ValueKnot> list(double from, double to) override {
     values_.clear();
-    for (const std::unique_ptr<FinerKnot>& own : monitor_.take_again(track_, from, to).knots)
+    for (const std::unique_ptr<FinerKnot>& own : monitor_.get_finer(track_).take(from, to).knots)
       values_.push_back({own->knot.time, to_smooth(track_.part, monitor_.calc_sample(track_, own->knot)), own->begins});
     return values_;
   }
@@ -302,6 +317,7 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
       track.has_last = true;
       track.low.add(after.time, track.last);
       track.high.add(after.time, -track.last);
+      if (track.law) track.law->take(after.time, track.last);
       track.bounds.take(after.time, to_smooth(track.part, track.last));
     }
   }
@@ -320,7 +336,7 @@ void RequirementMonitor::add_blow(Track& track, const MotionKnot& before, const 
 // none.
 void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
   if (track.fresh || track.straight) return;
-  if (track.law) return search_law(track, LawEnd::kEnds);
+  if (track.law) return track.law->finish(get_finer(track));
   if (track.bounded) {
     FinerOfTrack finer(*this, track);
     track.bounds.finish(&finer);
@@ -333,125 +349,6 @@ void RequirementMonitor::finish(Track& track, const MotionWindow& window) const 
 void RequirementMonitor::take(Track& track, double time, double value) {
   track.low.take(time, value);
   track.high.take(time, -value);
-}
-
-// Of a law, whose values between the knots are those of what it reads there.
-void RequirementMonitor::add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
-                                    std::span<const double> commands) const {
-  const Take take = track.requirement->take;
-  Smallest *const low = takes_low(take) ? &track.low : nullptr, *const high = takes_high(take) ? &track.high : nullptr;
-  const auto add = [&](const MotionKnot& knot, bool begins_here) {
-    track.law->add(knot.time, knot.quantities, commands, begins_here);
-    const double value = calc_sample(track, knot);
-    std::ranges::rotate(track.law_times, track.law_times.begin() + 1);
-    std::ranges::rotate(track.law_values, track.law_values.begin() + 1);
-    track.law_times.back() = knot.time;
-    track.law_values.back() = value;
-    if (low != nullptr) low->take(knot.time, value);
-    if (high != nullptr) high->take(knot.time, -value);
-  };
-  // What changes at events alone, or is straight between them, may begin anew where the rest goes on smoothly.
-  const bool anew = !begins && track.law->begins_anew(from.quantities, to.time, to.quantities);
-  if (anew) search_law(track, LawEnd::kEnds);
-  if (begins || anew) add(from, true);
-  add(to, false);
-  search_law(track, LawEnd::kGoesOn);
-}
-
-namespace {
-
-// What the values of a law at the latest knots say of one interval between two of them.
-struct LawSpread {
-  double lower = 0, upper = 0;  // at its ends
-  double beyond = 0;            // how far an extreme within may be beyond these
-  double error = 0;             // how far the polynomial through the knots differs from that through one knot less
-};
-
-// `times`, `values`: of the latest knots of a smooth curve, two or more; `first`: the knot at which the interval
-// begins.
-LawSpread calc_spread(std::span<const double> times, std::span<const double> values, std::size_t first) {
-  const double a = values[first], b = values[first + 1], h = times[first + 1] - times[first];
-  LawSpread spread{.lower = std::min(a, b), .upper = std::max(a, b)};
-  if (values.size() == 2) {  // nothing says how it bends
-    spread.beyond = spread.error = std::abs(b - a);
-    return spread;
-  }
-  for (std::size_t k = 0; k + 2 < values.size(); ++k) {
-    const double slope = (values[k + 1] - values[k]) / (times[k + 1] - times[k]);
-    const double next = (values[k + 2] - values[k + 1]) / (times[k + 2] - times[k + 1]);
-    const double bend = 2 * (next - slope) / (times[k + 2] - times[k]);
-    spread.beyond = std::max(spread.beyond, std::abs(bend) * h * h / 4);  // a parabola's, twice
-  }
-  const double middle = times[first] + 0.5 * h;
-  const std::size_t rest = values.size() - 1, from = first == 0 ? 0 : 1;  // without the knot that is farther away
-  spread.error = std::abs(interpolate(times, values, middle) -
-                          interpolate(times.subspan(from, rest), values.subspan(from, rest), middle));
-  return spread;
-}
-
-}  // namespace
-
-// Searches the interval before the latest one, or where the curve ends the latest. An extreme between knots that is
-// more than kGain beyond those that are known depends on how well the polynomials of what the law reads are. There the
-// step is taken again, and where the knots do not tell the law to kGain, and it may have its extreme.
-void RequirementMonitor::search_law(Track& track, LawEnd end) const {
-  constexpr double kGain = 1e-3;  // of the value
-  const bool ends = end == LawEnd::kEnds;
-  const auto knots = static_cast<std::size_t>(track.law->count_knots());
-  if (knots < (ends ? 2 : 3)) return;
-  const LawSpread spread = calc_spread(std::span(track.law_times).last(knots), std::span(track.law_values).last(knots),
-                                       knots - (ends ? 2 : 3));
-  const LawCurve::Span span = ends ? track.law->get_latest_span() : track.law->get_span_before();
-  const auto look = [&](bool is_low, Smallest& own, Track::LawDoubt& doubt) {
-    Smallest tried = own;
-    Smallest *const low = is_low ? &tried : nullptr, *const high = is_low ? nullptr : &tried;
-    ends ? track.law->finish(low, high) : track.law->search(low, high);
-    const double room = kGain * std::abs(tried.get_value());
-    const double beyond = (is_low ? spread.lower : -spread.upper) - spread.beyond;
-    const bool may_be_beyond = spread.error > room && beyond < own.get_value();
-    const double gain = own.get_value() - tried.get_value();
-    Smallest found = own;
-    if ((gain > room || may_be_beyond) && refine_law(track, span, is_low, found)) {
-      if (gain > room || found.get_value() < own.get_value())
-        doubt.error = std::abs(found.get_value() - tried.get_value()) / FinerSteps::kParts;
-      own = found;
-      return;
-    }
-    if (gain > 0) doubt.error = gain > room ? gain : 0;
-    if (may_be_beyond && knots == 2) doubt.unsearched = std::min(doubt.unsearched, beyond);
-    own = tried;
-  };
-  const Take take = track.requirement->take;
-  if (takes_low(take)) look(true, track.low, track.low_doubt);
-  if (takes_high(take)) look(false, track.high, track.high_doubt);
-}
-
-// False if the step is not taken again.
-bool RequirementMonitor::refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const {
-  const FinerSteps::Again again = take_again(track, span.from, span.to);
-  if (again.knots.empty()) return false;
-  if (!track.finer_law)
-    track.finer_law.emplace(scenario_.model, simulation_.plan(),
-                            find_law(scenario_.model, *track.requirement)->subject);
-  LawCurve& law = *track.finer_law;
-  Smallest *const low = is_low ? &found : nullptr, *const high = is_low ? nullptr : &found;
-  const auto is_within = [&span](LawCurve::Span own) {
-    return own.get_middle() > span.from && own.get_middle() < span.to;
-  };
-  const auto finish = [&] {
-    if (is_within(law.get_latest_span())) law.finish(low, high);
-  };
-  for (const std::unique_ptr<FinerKnot>& own : again.knots) {
-    if (own->begins && own != again.knots.front()) finish();
-    law.add(own->knot.time, own->knot.quantities, again.commands, own->begins);
-    if (own->knot.time >= span.from && own->knot.time <= span.to) {
-      const double value = calc_sample(track, own->knot);
-      found.take(own->knot.time, is_low ? value : -value);
-    }
-    if (!own->begins && law.count_knots() > 2 && is_within(law.get_span_before())) law.search(low, high);
-  }
-  finish();
-  return true;
 }
 
 void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
@@ -483,9 +380,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       continue;
     }
     track.apart = apart;
-    // What a law reads goes on smoothly through its corners.
     const bool begins =
-        track.fresh || (switched && track.jumps) || !(track.law ? window.is_continuous() : window.is_smooth());
+        track.fresh || (switched && track.jumps) || !(track.goes_on ? window.is_continuous() : window.is_smooth());
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
     if (begins) finish(track, window);
@@ -493,7 +389,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
       track.last = calc_at(track, to);
       track.last_time = to.time;
       track.has_last = true;
-      if (track.phase == Phase::kOpen) add_to_law(track, begins, from, to, commands);
+      if (track.phase == Phase::kOpen) track.law->add(from, to, commands, begins, get_finer(track));
       track.fresh = false;
       continue;
     }
@@ -618,8 +514,10 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     track.low.take(least.found, from_smooth(track.part, least.value));
     track.high.take(most.found, -from_smooth(track.part, -most.value));
   }
-  const double low = track.low.get_value(), high = -track.high.get_value();
-  const double low_time = track.low.get_time(), high_time = track.high.get_time();
+  const Smallest& least = track.law ? track.law->get_low().value : track.low;
+  const Smallest& most = track.law ? track.law->get_high().value : track.high;
+  const double low = least.get_value(), high = -most.get_value();
+  const double low_time = least.get_time(), high_time = most.get_time();
   switch (r.take) {
     case Take::kMinimum:
       set_margin(r, low, low_time, verdict);
@@ -642,20 +540,19 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
       }
   }
   if (!track.bounded) return verdict;
-  const auto get = [&track](const ExtremeBounds::Bound& bound, const Smallest& own, const Track::LawDoubt& doubt) {
-    if (!track.law) return bound;
-    const double value = own.get_value();
-    return ExtremeBounds::Bound{.least = value - doubt.error,
-                                .most = value + doubt.error,
-                                .time = own.get_time(),
+  const auto get = [](const LawCurve::Found& own) {
+    const double value = own.value.get_value();
+    return ExtremeBounds::Bound{.least = std::min(own.least, value),
+                                .most = std::max(own.most, value),
+                                .time = own.value.get_time(),
                                 .value = value,
-                                .unsearched = doubt.unsearched};
+                                .unsearched = own.unsearched};
   };
   judge_extreme(r,
                 {.low = low,
                  .high = high,
-                 .least = get(track.bounds.get_low(), track.low, track.low_doubt),
-                 .most = get(track.bounds.get_high(), track.high, track.high_doubt),
+                 .least = track.law ? get(track.law->get_low()) : track.bounds.get_low(),
+                 .most = track.law ? get(track.law->get_high()) : track.bounds.get_high(),
                  .part = track.law ? SmoothPart::kItself : track.part},
                 scenario_.dt, verdict);
   return verdict;

@@ -2,7 +2,6 @@
 // "unresolved". Minima and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,13 +11,12 @@
 
 #include "hil/run/extremes/extreme_bounds.h"
 #include "hil/run/extremes/finer_steps.h"
-#include "hil/run/extremes/law_curve.h"
+#include "hil/run/extremes/law_extremes.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"
 #include "hil/run/motion/joint_frame.h"
 #include "hil/run/motion/motion_window.h"
-#include "hil/run/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/step.h"
 
@@ -86,17 +84,11 @@ class RequirementMonitor {
     double blow = std::numeric_limits<double>::infinity();  // as Verdict::blow
     std::size_t first = 0;                                  // index of a sensor's first value
     Phase phase = Phase::kOpen;
-    Smallest low, high;                      // `high`: minimum of the negative
-    ExtremeBounds bounds;                    // instead, of what is known at knots alone
-    std::optional<LawCurve> law, finer_law;  // instead, of a quantity that is a law; of the knots of finer steps
-    // Of a law: how far both extremes may be wrong; what they may be between two knots behind which nothing goes on
-    // smoothly.
-    struct LawDoubt {
-      double error = 0, unsearched = std::numeric_limits<double>::infinity();
-    } low_doubt, high_doubt;
-    // Of the law, at the latest knots, the last one last.
-    std::array<double, kCurvePoints> law_times{}, law_values{};
+    Smallest low, high;                     // `high`: minimum of the negative
+    ExtremeBounds bounds;                   // instead, of what is known at knots alone
+    std::optional<LawExtremes> law;         // instead, of a quantity that is a law
     bool jumps = false;                     // it may jump where forces do and no acceleration does
+    bool goes_on = false;                   // smoothly where the motion has a corner of its accelerations
     SmoothPart part = SmoothPart::kItself;  // of the quantity, which the curve and its bounds are of
     bool judged = false;                    // a copy, for a verdict
     bool bounded = false;                   // as is_bounded()
@@ -116,12 +108,7 @@ class RequirementMonitor {
   [[nodiscard]] double calc_within(const Track& track, const MotionWindow& window, double time) const;
   void finish(Track& track, const MotionWindow& window) const;
   static void take(Track& track, double time, double value);
-  void add_to_law(Track& track, bool begins, const MotionKnot& from, const MotionKnot& to,
-                  std::span<const double> commands) const;
-  enum class LawEnd { kGoesOn, kEnds };
-  void search_law(Track& track, LawEnd end) const;
-  [[nodiscard]] FinerSteps::Again take_again(const Track& track, double from, double to) const;
-  bool refine_law(Track& track, LawCurve::Span span, bool is_low, Smallest& found) const;
+  [[nodiscard]] FinerSource get_finer(const Track& track) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
   void add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const;
   [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;

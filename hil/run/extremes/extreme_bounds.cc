@@ -2,109 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include "hil/run/extremes/value_stencil.h"
 #include "hil/run/motion/extreme.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr int kLooks = 8;          // of an interval, at whose ends the polynomial is evaluated
-constexpr double kOneKnot = 1e-6;  // of the spacing: of knots that are nearer to each other one counts
-constexpr double kBeyond = 8;      // times what six knots span: a polynomial through them goes no farther between them
-constexpr double kLeastFall = 1e-14;  // of values: rounding of a difference
+// Knots that hardly tell how wrong a polynomial through them is; by how many times their usual change it may be, for
+// that a step is taken again.
+constexpr std::size_t kFewKnots = 4;
+constexpr double kSure = 2;
+constexpr int kLooks = 8;      // of an interval, at whose ends the polynomial is evaluated
+constexpr double kBeyond = 8;  // times what six knots span: a polynomial through them goes no farther between them
 // Part of an extreme to which it is to be known; one that is small counts as this part of the largest value.
 constexpr double kFine = 1e-4, kFloor = 1e-4;
 
 }  // namespace
-
-// Newton's form about one interval, its knots taken from the middle outwards.
-struct ExtremeBounds::Stencil {
-  Stencil(std::span<const double> times, std::span<const double> values, std::size_t interval);
-  // The polynomial at a time in the interval, and by how much it may be off.
-  struct Value {
-    double value, uncertainty;
-  };
-  [[nodiscard]] Value calc(double time) const;
-
-  std::size_t count;
-  double from, to, at_from, at_to;
-  double order[kPoints] = {}, terms[kPoints] = {};
-  double spacing = 0, ratio = 0, doubt = 0;
-
- private:
-  // A parabola through three knots on one side of the interval, from the nearest outwards.
-  struct Side {
-    double nearest, next, terms[3];
-    [[nodiscard]] double calc(double time) const {
-      return terms[0] + (time - nearest) * (terms[1] + (time - next) * terms[2]);
-    }
-  };
-  std::optional<Side> before_, behind_;
-};
-
-ExtremeBounds::Stencil::Stencil(std::span<const double> times, std::span<const double> values, std::size_t interval)
-    : count(times.size()),
-      from(times[interval]),
-      to(times[interval + 1]),
-      at_from(values[interval]),
-      at_to(values[interval + 1]) {
-  // Divided differences: of order k from knot i on.
-  double differences[kPoints][kPoints] = {};
-  std::copy(values.begin(), values.end(), differences[0]);
-  for (std::size_t k = 1; k < count; ++k)
-    for (std::size_t i = 0; i + k < count; ++i)
-      differences[k][i] = (differences[k - 1][i + 1] - differences[k - 1][i]) / (times[i + k] - times[i]);
-  // From the interval outwards, to either side in turn as far as there are knots.
-  std::size_t first = interval, last = interval + 1;
-  order[0] = times[first];
-  order[1] = times[last];
-  terms[0] = differences[0][first];
-  terms[1] = differences[1][first];
-  for (std::size_t k = 2; k < count; ++k) {
-    const bool to_left = first > 0 && (last + 1 == count || interval - first <= last - interval - 1);
-    order[k] = to_left ? times[--first] : times[++last];
-    terms[k] = differences[k][first];
-  }
-  spacing = (times[count - 1] - times[0]) / static_cast<double>(count - 1);
-  // The largest difference of each order, as of knots of equal spacing.
-  double sizes[kPoints] = {}, scale = 1, size = 0;
-  for (const double value : values) size = std::max(size, std::abs(value));
-  for (std::size_t k = 0; k < count; ++k) {
-    if (k > 0) scale *= static_cast<double>(k) * spacing;
-    for (std::size_t i = 0; i + k < count; ++i) sizes[k] = std::max(sizes[k], scale * std::abs(differences[k][i]));
-  }
-  const auto fall = [&](std::size_t k, std::size_t by) {
-    return sizes[k] > kLeastFall * size ? std::min(1.0, sizes[k] / sizes[k - by]) : 0;
-  };
-  if (count == 3) ratio = fall(2, 1);
-  if (count == 4) ratio = std::sqrt(fall(3, 2));
-  if (count > 4) ratio = std::sqrt(fall(4, 2));
-  if (count > 5) ratio = std::max(ratio, std::sqrt(fall(5, 2)));
-  doubt = ratio * ratio * ratio * ratio;
-  if (interval < 2 || interval + 4 > count) return;
-  const std::size_t i = interval, k = interval + 1;
-  before_ = {times[i], times[i - 1], {differences[0][i], differences[1][i - 1], differences[2][i - 2]}};
-  behind_ = {times[k], times[k + 1], {differences[0][k], differences[1][k], differences[2][k]}};
-}
-
-ExtremeBounds::Stencil::Value ExtremeBounds::Stencil::calc(double time) const {
-  double sum = terms[0], way = 1, last = 0, before = 0, chord = terms[0];
-  for (std::size_t k = 1; k < count; ++k) {
-    way *= time - order[k - 1];
-    before = last;
-    last = terms[k] * way;
-    if (k == 1) chord += last;
-    sum += last;
-  }
-  last = std::abs(last);
-  before = std::abs(before);
-  if (count == 3) return {sum, ratio * last};
-  const double aside = before_ ? std::min(std::abs(sum - before_->calc(time)), std::abs(sum - behind_->calc(time)))
-                               : std::abs(sum - chord);
-  const double high = count == kPoints ? std::max(last, ratio * before) : ratio * std::max(last, ratio * before);
-  return {sum, std::max(high, doubt * aside)};
-}
 
 double to_smooth(SmoothPart part, double value) {
   if (part == SmoothPart::kSquare) return value * value;
@@ -144,17 +58,34 @@ void ExtremeBounds::take(double time, double value) {
   take_smallest(high_, time, -value);
 }
 
+// Between two times a knot counts as the end of a piece that is there: at these times there may be others, on the other
+// side of a jump.
+void ExtremeBounds::take(const ValueKnot& knot) {
+  const auto take_within = [this](const ValueKnot& own) {
+    if (own.time >= from_ && own.time <= to_) take(own.time, own.value);
+  };
+  if (!is_within_) {
+    take(knot.time, knot.value);
+  } else if (!knot.begins && is_here(0.5 * (latest_.time + knot.time))) {
+    take_within(latest_);
+    take_within(knot);
+  }
+  latest_ = knot;
+}
+
 void ExtremeBounds::add(const ValueKnot& knot, FinerValues* finer) {
   if (knot.begins) {
     finish(finer);
     count_ = searched_ = 0;
   }
-  if (knot.time >= from_ && knot.time <= to_) take(knot.time, knot.value);
+  take(knot);
   size_ = std::max(size_, std::abs(knot.value));
   if (count_ == 1 && !(knot.time > times_[0])) return;
-  if (count_ > 1 &&
-      knot.time - times_[count_ - 1] < kOneKnot * (times_[count_ - 1] - times_[0]) / static_cast<double>(count_ - 1))
+  if (count_ > 1 && knot.time - times_[count_ - 1] <
+                        ValueStencil::kOneKnot * (times_[count_ - 1] - times_[0]) / static_cast<double>(count_ - 1))
     return;
+  if (count_ > 1 && times_[count_ - 1] - times_[count_ - 2] < ValueStencil::kOneKnot * (knot.time - times_[count_ - 1]))
+    --count_;
   if (count_ == kPoints) {
     std::copy(times_ + 1, times_ + kPoints, times_);
     std::copy(values_ + 1, values_ + kPoints, values_);
@@ -163,6 +94,7 @@ void ExtremeBounds::add(const ValueKnot& knot, FinerValues* finer) {
   }
   times_[count_] = knot.time;
   values_[count_++] = knot.value;
+  if (count_ > 1) usual_.add({times_, count_}, {values_, count_});
   if (count_ == kPoints)
     while (searched_ < kPoints / 2) search(searched_++, finer);
 }
@@ -179,16 +111,30 @@ void ExtremeBounds::finish(FinerValues* finer) {
 }
 
 bool ExtremeBounds::leaves_out(std::size_t interval) const {
-  const double middle = 0.5 * (times_[interval] + times_[interval + 1]);
-  return middle < from_ || middle > to_;
+  return !is_here(0.5 * (times_[interval] + times_[interval + 1]));
 }
 
-// Nothing is known of what is between the two.
+// Of what is between the two it is known only how the quantity has changed elsewhere. Within a step that was taken
+// again, that is how its rate has.
 void ExtremeBounds::search_pair(FinerValues* finer, Side side) const {
-  const double at_from = side.sign * values_[0], at_to = side.sign * values_[1], change = std::abs(at_from - at_to);
-  const double least = std::min(at_from, at_to) - change;
-  if (!(least < side.bound->value) || change <= kFine * std::max(std::abs(at_from), kFloor * size_)) return;
-  if (!refine(times_[0], times_[1], finer, side)) side.bound->unsearched = std::min(side.bound->unsearched, least);
+  const double h = times_[1] - times_[0];
+  const double at_from = side.sign * values_[0], at_to = side.sign * values_[1], end = std::min(at_from, at_to);
+  if (is_within_) {
+    const double bulge = std::max(usual_.calc_bulge(values_[0], values_[1], h), std::abs(at_to - at_from));
+    merge({.least = end - bulge, .most = end, .time = 0.5 * (times_[0] + times_[1]), .spacing = h, .ratio = 1},
+          *side.bound);
+    return;
+  }
+  const double change = usual_.calc_change(values_[0], values_[1], h), least = end - change;
+  const bool may_be_beyond = may_matter(end, change, side);
+  if (!may_be_beyond && usual_.is_known()) return;
+  if (refine(times_[0], times_[1], finer, side)) return;
+  if (may_be_beyond && least < side.bound->value) side.bound->unsearched = std::min(side.bound->unsearched, least);
+}
+
+// Whether what is beyond the smaller end by kSure times so much would be an extreme that matters.
+bool ExtremeBounds::may_matter(double end, double change, Side side) const {
+  return end - kSure * change < side.bound->value && change > kFine * std::max(std::abs(end), kFloor * size_);
 }
 
 void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
@@ -198,14 +144,23 @@ void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const double high = std::max(values_[interval], values_[interval + 1]);
   const bool may_be_low = low - beyond < low_.value, may_be_high = -high - beyond < high_.value;
   if (!(beyond > 0) || !(may_be_low || may_be_high) || leaves_out(interval)) return;
-  const Stencil stencil({times_, count_}, {values_, count_}, interval);
+  const ValueStencil stencil({times_, count_}, {values_, count_}, interval);
   if (may_be_low) search(stencil, finer, {1, &low_});
   if (may_be_high) search(stencil, finer, {-1, &high_});
 }
 
-void ExtremeBounds::search(const Stencil& stencil, FinerValues* finer, Side side) const {
+void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side side) const {
+  // Few knots hardly tell how wrong they are.
+  if (count_ <= kFewKnots && !is_within_) {
+    const double from = stencil.get_at_from(), to = stencil.get_at_to(), h = stencil.get_to() - stencil.get_from();
+    const double end = std::min(side.sign * from, side.sign * to);
+    if (may_matter(end, usual_.calc_change(from, to, h), side) &&
+        refine(stencil.get_from(), stencil.get_to(), finer, side))
+      return;
+  }
   const Bound own = look(stencil, side);
-  if (own.least < side.bound->value && !is_known(own) && refine(stencil.from, stencil.to, finer, side)) return;
+  if (own.least < side.bound->value && !is_known(own) && refine(stencil.get_from(), stencil.get_to(), finer, side))
+    return;
   merge(own, *side.bound);
 }
 
@@ -217,10 +172,17 @@ bool ExtremeBounds::is_known(const Bound& bound) const {
 bool ExtremeBounds::refine(double from, double to, FinerValues* finer, Side side) const {
   const std::span<const ValueKnot> knots = finer != nullptr ? finer->list(from, to) : std::span<const ValueKnot>{};
   if (knots.empty()) return false;
+  ExtremeBounds learning;  // how the quantity changes there, before any pair of knots is judged by that
+  learning.is_within_ = true;
+  learning.from_ = learning.to_ = std::numeric_limits<double>::infinity();
+  learning.usual_ = usual_;
+  for (const ValueKnot& knot : knots) learning.add(knot);
   ExtremeBounds bounds;
   bounds.size_ = size_;
+  bounds.is_within_ = true;
   bounds.from_ = from;
   bounds.to_ = to;
+  bounds.usual_ = learning.usual_;
   for (const ValueKnot& knot : knots) bounds.add(knot);
   bounds.finish();
   const Bound& found = side.sign > 0 ? bounds.low_ : bounds.high_;
@@ -231,19 +193,19 @@ bool ExtremeBounds::refine(double from, double to, FinerValues* finer, Side side
 
 // The smallest of the polynomial give or take its uncertainty: at the ends of parts, and where a parabola through three
 // of these is least.
-ExtremeBounds::Bound ExtremeBounds::look(const Stencil& stencil, Side side) const {
-  const double part = (stencil.to - stencil.from) / kLooks;
-  const auto at = [&](int i) { return stencil.from + i * part; };
+ExtremeBounds::Bound ExtremeBounds::look(const ValueStencil& stencil, Side side) const {
+  const double part = (stencil.get_to() - stencil.get_from()) / kLooks;
+  const auto at = [&](int i) { return stencil.get_from() + i * part; };
   const auto calc = [&](double time, double off) {
-    const Stencil::Value value = stencil.calc(time);
+    const ValueStencil::Value value = stencil.calc(time);
     return side.sign * value.value + off * value.uncertainty;
   };
   Bound found;
-  found.spacing = stencil.spacing;
-  found.ratio = stencil.ratio;
+  found.spacing = stencil.get_spacing();
+  found.ratio = stencil.get_ratio();
   for (const double off : {-1.0, 1.0, 0.0}) {
-    double values[kLooks + 1] = {side.sign * stencil.at_from};
-    values[kLooks] = side.sign * stencil.at_to;
+    double values[kLooks + 1] = {side.sign * stencil.get_at_from()};
+    values[kLooks] = side.sign * stencil.get_at_to();
     for (int i = 1; i < kLooks; ++i) values[i] = calc(at(i), off);
     const auto lowest = static_cast<int>(std::min_element(values, values + kLooks + 1) - values);
     double value = values[lowest], time = at(lowest);
@@ -263,7 +225,8 @@ ExtremeBounds::Bound ExtremeBounds::look(const Stencil& stencil, Side side) cons
     if (off < 0) found.least = value, found.time = time;
     if (off == 0) found.value = value, found.found = time;
   }
-  if (found.found > stencil.from && found.found < stencil.to) found.most = std::min(found.most, calc(found.found, 1));
+  if (found.found > stencil.get_from() && found.found < stencil.get_to())
+    found.most = std::min(found.most, calc(found.found, 1));
   found.least = std::min(found.least, found.value);
   found.most = std::max(found.most, found.value);
   return found;

@@ -1,17 +1,9 @@
 // The smallest and the greatest value of a quantity that is known at knots alone, and how far they may be wrong.
 //
 // Between two knots the quantity is taken to be the polynomial through six of them, as nearly three on each side as the
-// smooth run of knots has, give or take u, the greatest of three:
-// - the last term of Newton's form of the polynomial, the highest order's;
-// - r times the one before: where the quantity is symmetric about the middle, every other term vanishes. r, at most 1,
-//   is by what factor differences fall from one order to the next, the root of that over two orders; of a sine it is
-//   about the angle of a step;
-// - r⁴ times the distance to what goes on from one side, the nearer of the parabolas through three knots before and
-//   three behind (beside the ends of a run, times the term of the second order). Where differences do not fall, at a
-//   corner or a dip shorter than the steps, nothing better is known.
-// At knots u is 0. Where u matters, and between two knots behind which nothing goes on smoothly, values between the two
-// are asked for (FinerValues), and the extremes are those of these. If there are none, u stays; of two knots alone it
-// is not known.
+// smooth run of knots has, give or take its uncertainty u (ValueStencil). Where u matters, where a smooth run has few
+// knots, and between two knots behind which nothing goes on smoothly, values between the two are asked for
+// (FinerValues), and the extremes are those of these. If there are none, u stays; of two knots alone it is not known.
 //
 // Cost: some comparisons for each knot; some hundred operations where an interval may have an extreme.
 #pragma once
@@ -19,6 +11,9 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+
+#include "hil/run/extremes/usual_change.h"
+#include "hil/run/extremes/value_stencil.h"
 
 namespace unlatch::hil {
 
@@ -56,8 +51,7 @@ class ExtremeBounds {
     double ratio = 0;    // r there
     // The smallest value that was found, likewise, and its time, s.
     double value = std::numeric_limits<double>::infinity(), found = 0;
-    // What it may be between two knots behind which nothing goes on smoothly, if it changes there once more by as much
-    // as from one to the other.
+    // What it may be between two knots behind which nothing goes on smoothly, if it changes there as it has elsewhere.
     double unsearched = std::numeric_limits<double>::infinity();
   };
 
@@ -72,28 +66,32 @@ class ExtremeBounds {
   [[nodiscard]] const Bound& get_high() const { return high_; }  // of the negative
 
  private:
-  static constexpr std::size_t kPoints = 6;
+  static constexpr std::size_t kPoints = ValueStencil::kMost;
 
-  // The polynomial through the knots of a run, and its differences.
-  struct Stencil;
   // One of the two extremes: the smallest value, or the greatest, of which all is the negative's.
   struct Side {
     double sign;
     Bound* bound;
   };
+  void take(const ValueKnot& knot);
   void search(std::size_t interval, FinerValues* finer);
-  void search(const Stencil& stencil, FinerValues* finer, Side side) const;
+  void search(const ValueStencil& stencil, FinerValues* finer, Side side) const;
   void search_pair(FinerValues* finer, Side side) const;
-  [[nodiscard]] Bound look(const Stencil& stencil, Side side) const;
+  [[nodiscard]] Bound look(const ValueStencil& stencil, Side side) const;
+  [[nodiscard]] bool may_matter(double end, double change, Side side) const;
   [[nodiscard]] bool is_known(const Bound& bound) const;
   bool refine(double from, double to, FinerValues* finer, Side side) const;
   [[nodiscard]] bool leaves_out(std::size_t interval) const;
+  [[nodiscard]] bool is_here(double time) const { return time >= from_ && time <= to_; }
 
   double times_[kPoints] = {}, values_[kPoints] = {};
   std::size_t count_ = 0;     // latest knots of this run
   std::size_t searched_ = 0;  // intervals between them, from the first on
   double size_ = 0;           // the largest value so far
+  bool is_within_ = false;    // of the knots of a step that was taken again: those between two times count
   double from_ = -std::numeric_limits<double>::infinity(), to_ = std::numeric_limits<double>::infinity();
+  ValueKnot latest_;
+  UsualChange usual_;
   Bound low_, high_;
 };
 

@@ -95,4 +95,13 @@ class FinerSteps {
   std::int64_t latest_ = -1;  // tick of the step whose knots are there
 };
 
+// Finer steps for those who may take some, and whether they count.
+struct FinerSource {
+  FinerSteps* steps = nullptr;  // null: there are none
+  FinerSteps::Count count = FinerSteps::Count::kYes;
+  [[nodiscard]] FinerSteps::Again take(double from, double to) const {
+    return steps != nullptr ? steps->take(from, to, count) : FinerSteps::Again{};
+  }
+};
+
 }  // namespace unlatch::hil

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/run/extremes/straight_quantity.h"
 #include "hil/scenario/base/index.h"
 #include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"
@@ -49,10 +48,8 @@ LawCurve::LawCurve(const Model& model, const Plan& plan, int law)
       const bool is_known = std::ranges::any_of(read_, [&](const Read& read) { return read.quantity == step.subject; });
       if (quantity.kind == unlatch::Quantity::Kind::kLaw || is_known) continue;
       read_.push_back({.quantity = step.subject,
-                       .curve = {},
                        .is_angle = get_unit(model, quantity) == "rad",
-                       .traits = &get_traits(quantity.kind),
-                       .middle = {}});
+                       .traits = &get_traits(quantity.kind)});
     }
 }
 
@@ -72,6 +69,10 @@ void LawCurve::add(double time, std::span<const double> quantities, std::span<co
   begins = begins || std::ranges::any_of(read_, [&](const Read& read) {
              return is_jump(read) && !find_middle(read.latest, quantities[at(read.quantity)]);
            });
+  // Of knots that are very near to each other one counts.
+  const double h = time - latest_.to, last = latest_.to - latest_.from;
+  const bool skips = !begins && (knots_ > 1 ? h < ValueStencil::kOneKnot * last : !(h > 0));
+  const bool replaces = !begins && !skips && knots_ > 1 && last < ValueStencil::kOneKnot * h;
   for (Read& read : read_) {
     const double value = quantities[at(read.quantity)];
     if (!begins && is_jump(read)) {
@@ -80,30 +81,43 @@ void LawCurve::add(double time, std::span<const double> quantities, std::span<co
     }
     if (begins) read.turned = 0;
     read.latest = value;
+    if (skips) continue;
+    if (replaces) read.curve.drop_latest();
     read.curve.add(time, value + read.turned, begins);
+    if (!begins) read.usual.add(read.curve.get_times(), read.curve.get_values());
   }
-  knots_ = begins ? 1 : std::min(knots_ + 1, kCurvePoints);
-  std::swap(before_, latest_);
-  latest_.from = before_.to;
+  if (skips) return;
+  if (!replaces) {
+    knots_ = begins ? 1 : std::min(knots_ + 1, kCurvePoints);
+    std::swap(before_, latest_);
+    latest_.from = before_.to;
+  }
   latest_.to = time;
   latest_.commands.assign(commands.begin(), commands.end());
 }
 
-void LawCurve::search(Smallest* low, Smallest* high) {
-  if (knots_ < 3) return;
-  if (low != nullptr) search(before_, 1, *low);
-  if (high != nullptr) search(before_, -1, *high);
+void LawCurve::search(Extreme extreme, Found& found) {
+  if (knots_ > 2) search(before_, at(knots_ - 3), extreme == Extreme::kLow ? 1 : -1, found);
 }
 
-void LawCurve::finish(Smallest* low, Smallest* high) {
-  if (knots_ < 2) return;
-  if (low != nullptr) search(latest_, 1, *low);
-  if (high != nullptr) search(latest_, -1, *high);
+void LawCurve::finish(Extreme extreme, Found& found) {
+  if (knots_ > 1) search(latest_, at(knots_ - 2), extreme == Extreme::kLow ? 1 : -1, found);
+}
+
+void LawCurve::learn_from(const LawCurve& other) {
+  for (std::size_t i = 0; i < read_.size(); ++i) read_[i].usual = other.read_[i].usual;
+}
+
+void LawCurve::follow(const LawCurve& other) {
+  learn_from(other);
+  size_ = other.size_;
+  follows_ = true;
 }
 
 // Of an angle, within its range: where it goes on at the other end in between, it may be anything there.
-Course LawCurve::Read::calc_course(double from, double to) const {
-  const Course whole = Course::of_parabola(curve.calc(from), curve.calc(0.5 * (from + to)), curve.calc(to));
+Course LawCurve::Read::calc_course(double from, double to, double off) const {
+  const auto calc = [&](double time) { return stencil->calc(time).value + off * calc_uncertainty(time); };
+  const Course whole = Course::of_parabola(calc(from), calc(0.5 * (from + to)), calc(to));
   if (!middle) return whole;
   const auto count_turns = [&](double angle) { return std::nearbyint((angle - *middle) / kTurn); };
   const auto wrap = [&](double angle) { return angle - kTurn * count_turns(angle); };
@@ -112,9 +126,15 @@ Course LawCurve::Read::calc_course(double from, double to) const {
   return course;
 }
 
+double LawCurve::Read::calc_uncertainty(double time) const {
+  if (is_exact()) return 0;
+  const double part = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
+  return bulge > 0 ? bulge * 4 * part * (1 - part) : stencil->calc(time).uncertainty;
+}
+
 // The law and its bounds from one time to another, what it reads being a parabola through the three instants.
 void LawCurve::update(const Interval& interval, double from, double to) {
-  for (const Read& read : read_) quantities_[at(read.quantity)] = read.calc_course(from, to);
+  for (const Read& read : read_) quantities_[at(read.quantity)] = read.calc_course(from, to, 0);
   courses_.update(behind_, interval.commands, quantities_);
 }
 
@@ -144,9 +164,86 @@ void LawCurve::look(const Interval& interval, double from, double to, double sig
   look(interval, middle, to, sign, depth + 1, found);
 }
 
-void LawCurve::search(const Interval& interval, double sign, Smallest& found) {
+// The law and its bounds in an interval, if each that it reads is anything within its uncertainty; whether that is a
+// part of the way of some that matters.
+LawCurve::Wide LawCurve::calc_wide(const Interval& interval) {
+  constexpr double kAside = 1.2;  // the largest uncertainty is beside the middle
+  constexpr double kPart = 1e-5;
+  const double middle = 0.5 * (interval.from + interval.to);
+  bool is_off = false;
+  for (const Read& read : read_) {
+    Course& course = quantities_[at(read.quantity)];
+    course = read.calc_course(interval.from, interval.to, 0);
+    const double off = kAside * read.calc_uncertainty(middle);
+    is_off = is_off || off > kPart * (course.high - course.low);
+    course.low -= off;
+    course.high += off;
+  }
+  courses_.update(behind_, interval.commands, quantities_);
+  return {courses_.get(law_), is_off};
+}
+
+// What the law may be at most below what was found, and what was found above the smallest value, by the uncertainties
+// of what it reads.
+void LawCurve::doubt(const Interval& interval, double sign, Found& found) {
+  constexpr int kLooks = 8;
+  const double length = interval.to - interval.from, room = calc_room(found.value.get_value());
+  const auto look_at = [&](double time) {
+    const double value = sign * calc(interval, time);
+    double below = 0, above = 0;
+    bool is_pair = false;
+    for (const Read& read : read_) {
+      if (read.calc_uncertainty(time) == 0) continue;
+      Course& course = quantities_[at(read.quantity)];
+      const Course own = course;
+      double lower = 0;
+      for (const double off : {-1.0, 1.0}) {
+        course = read.calc_course(time, time, off);
+        courses_.update(behind_, interval.commands, quantities_);
+        const double change = sign * courses_.get(law_).middle - value;
+        lower = std::max(lower, -change);
+        above += std::max(0.0, change);
+      }
+      course = own;
+      below += lower;
+      is_pair = is_pair || (read.bulge > 0 && lower > 0.5 * room);
+    }
+    if (is_pair && !follows_)
+      found.unsearched = std::min(found.unsearched, value - below);
+    else
+      found.least = std::min(found.least, value - below);
+    found.most = std::min(found.most, value + above);
+  };
+  for (int i = 1; i < kLooks; ++i) look_at(interval.from + i * length / kLooks);
+  const double best = found.value.get_time();
+  if (best > interval.from && best < interval.to) look_at(best);
+}
+
+// `number`: of the knot at which the interval begins, among those that are kept.
+void LawCurve::search(const Interval& interval, std::size_t number, double sign, Found& found) {
+  for (Read& read : read_) {
+    const std::span<const double> times = read.curve.get_times(), values = read.curve.get_values();
+    read.stencil.emplace(times, values, number);
+    const double from = values[number], to = values[number + 1], h = times[number + 1] - times[number];
+    read.bulge = 0;
+    if (times.size() == 2)
+      read.bulge = follows_ ? read.usual.calc_bulge(from, to, h) : read.usual.calc_change(from, to, h);
+    found.is_unknown =
+        found.is_unknown || (times.size() == 2 && !follows_ && !read.is_exact() && !read.usual.is_known());
+  }
+  const auto [wide, is_off] = calc_wide(interval);
+  const double middle = sign * wide.middle, known = std::min(found.value.get_value(), middle);
+  const auto get_bound = [sign](const Course& course) { return sign > 0 ? course.low : -course.high; };
+  const double size = std::max({std::abs(wide.begin), std::abs(wide.middle), std::abs(wide.end)});
+  size_ = std::max(size_, size);
+  if (get_bound(wide) >= known - kGain * size) return found.take(0.5 * (interval.from + interval.to), middle);
   left_ = kMostEvaluations;
-  look(interval, interval.from, interval.to, sign, 0, found);
+  look(interval, interval.from, interval.to, sign, 0, found.value);
+  const double value = found.value.get_value();
+  if (is_off && get_bound(wide) < known - calc_room(value))
+    doubt(interval, sign, found);
+  else
+    found.most = std::min(found.most, value);
 }
 
 }  // namespace unlatch::hil

@@ -15,6 +15,8 @@ class SampledCurve {
  public:
   // Adds a knot, in the order of time; `begins`: it does not continue the curve before smoothly.
   void add(double time, double value, bool begins);
+  // Forgets the latest knot.
+  void drop_latest() { --count_; }
   // Value at a time near the latest knots.
   [[nodiscard]] double calc(double time) const { return interpolate(get_times(), get_values(), time); }
   // The latest knots of this smooth run, at most kCurvePoints.

@@ -75,7 +75,9 @@ class Number(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: the reason if not evaluated."""
+    """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: the reason if not evaluated.
+    uncertainty: how far an extreme between steps may be wrong, at most, in `unit`. at_ticks: the value is that of a tick or an
+    event, and may be beyond it in between."""
 
     id: str
     unit: str
@@ -86,6 +88,8 @@ class Verdict(NamedTuple):
     margin: float
     time: float
     why: str
+    uncertainty: float = 0.0
+    at_ticks: bool = False
 
 
 class Finding(NamedTuple):

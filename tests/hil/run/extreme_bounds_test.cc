@@ -269,6 +269,101 @@ requirements:
   }
 }
 
+// A force that is gone behind the event; the step is taken again for what follows.
+TEST(Verdicts, FromOrToAnEventLeaveOutTheOtherSideOfIt) {
+  const AnalysedRun run(R"(unlatch: 1
+name: behind
+step: {dt: 16 ms, until: 128 ms}
+bodies:
+  c: {mass: 1, inertia: [1, 1, 1]}
+elements:
+  g: {type: force, body: c, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 0.7501, frequency: 47.7, phase: 5.9}]}}
+  h: {type: force, body: c, direction: [0, 1, 0], profile: 3 N}
+events:
+  - {name: ends, when: {time: 39.031 ms}, then: [{switch: {element: h, to: false}}]}
+quantities:
+  ax: {acceleration: {body: c, component: x}}
+  ay: {acceleration: {body: c, component: y}}
+requirements:
+  - {id: size, acceleration: {body: c}, from: ends, at_most: 1}
+  - {id: law, expression: 'sqrt(ax^2 + ay^2)', from: ends, at_most: 1}
+  - {id: before, expression: 'ay - 10 * ax', to: ends, take: minimum, at_least: -5}
+)");
+  for (const std::string id : {"size", "law", "before"}) {
+    const hil::Verdict verdict = run.judge(id);
+    EXPECT_NEAR(verdict.value, id == "before" ? 3 - 7.501 * std::sin(47.7 * 0.039031 + 5.9) : 0.7501, 1e-3) << id;
+    EXPECT_TRUE(verdict.is_met()) << id << verdict.unresolved;
+  }
+}
+
+// The load crosses zero between a corner and the end of the run, within one step: no knot is near, and the square of
+// the size is no more than the half of what it is at the ends.
+TEST(Verdicts, OnALoadThatVanishesBetweenTwoKnotsAloneAreThoseOfAFinerStep) {
+  const AnalysedRun run(R"(unlatch: 1
+name: corners
+step: {dt: 16 ms, until: 96 ms}
+bodies:
+  d: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  j: {between: [ground, d], modes: {h: {kind: weld}}}
+tables:
+  load: {axes: {when: {of: time, at: [0, 20.84 ms, 36.795 ms, 41.67 ms, 71.74 ms, 85.16 ms, 96.96 ms]}}, values: [-0.011, 0.828, 0.125, 0.876, 0.24, 0.839, -0.789], unit: N}
+elements:
+  p: {type: force, body: d, direction: [0, 1, 0], profile: {expression: "load"}}
+events:
+  - {name: late, when: {time: 66.126 ms}}
+requirements:
+  - {id: least, reaction: {joint: j, row: force}, from: late, take: minimum, at_least: 0.1 N}
+)");
+  const hil::Verdict least = run.judge("least");
+  EXPECT_NEAR(least.value, 0, 1e-3);
+  EXPECT_FALSE(least.is_met());
+}
+
+// Runs of a few steps, with 0.7 to 0.95 rad in each.
+TEST(Verdicts, OnAnExtremeInTheFirstStepOfARunAreRight) {
+  const std::string forces = R"(
+  g: {type: force, body: c, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 2.819, frequency: 51.4004, phase: 4.289}]}}
+  h: {type: force, body: c, direction: [0, 1, 0], profile: {harmonic: [{amplitude: 2.756, frequency: 56.687, phase: 4.906}]}}
+)";
+  const AnalysedRun run(R"(unlatch: 1
+name: first
+step: {dt: 16 ms, until: 32 ms}
+bodies:
+  c: {mass: 1, inertia: [1, 1, 1]}
+events:
+  - {name: late, when: {time: 22.471 ms}}
+elements:)" + forces + R"(requirements:
+  - {id: size, acceleration: {body: c}, at_most: 3.74}
+)");
+  const hil::Verdict size = run.judge("size");
+  EXPECT_NEAR(size.value, 3.74962, 1e-3);
+  EXPECT_FALSE(size.is_met());
+}
+
+TEST(Verdicts, OnReactionsInARunOfFewKnotsAreRightAndPeaksWithinTheirBounds) {
+  const AnalysedRun run(R"(unlatch: 1
+name: few
+step: {dt: 16 ms, until: 64 ms}
+bodies:
+  d: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  j: {between: [ground, d], modes: {h: {kind: weld}}}
+elements:
+  f: {type: force, body: d, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 2.741, frequency: 57.4873, phase: 3.387}]}}
+  i: {type: force, body: d, direction: [0, 0, 1], profile: 1 N}
+events:
+  - {name: ends, when: {time: 44.142 ms}, then: [{switch: {element: i, to: false}}]}
+requirements:
+  - {id: row, reaction: {joint: j, row: x}, at_most: 2.72}
+)");
+  const hil::Verdict row = run.judge("row");
+  EXPECT_NEAR(row.value, 2.741, 1e-3);
+  EXPECT_FALSE(row.is_met());
+  const hil::PeakReaction peak = run.analysis.get_peak(0, kX);
+  EXPECT_NEAR(std::abs(peak.value), 2.741, std::max(peak.uncertainty, 1e-3 * 2.741));
+}
+
 // The force comes and goes between ticks; nothing that it pushes is accelerated.
 TEST(Verdicts, OnALoadThatIsSwitchedOntoSomethingHeldHaveTheForceOfEitherSide) {
   for (const std::string dt : {"20 ms", "10 ms", "3 ms"}) {

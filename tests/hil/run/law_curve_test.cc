@@ -146,6 +146,34 @@ requirements:
   EXPECT_NEAR(dip.value, 0, 1e-6);
 }
 
+// Two accelerations by growing sines of 0.88 and 0.69 rad a step: each period has a new extreme, more than steps are
+// taken again.
+TEST(LawCurve, AnExtremeOfWhichNoStepIsTakenAgainSaysHowFarItIsOff) {
+  const auto judge = [](const std::string& dt, const std::string& law) {
+    return AnalysedRun(R"TEXT(unlatch: 1
+name: long
+step: {dt: )TEXT" + dt +
+                       R"TEXT(, until: 4 s}
+bodies:
+  c: {mass: 1, inertia: [1, 1, 1]}
+elements:
+  g: {type: force, body: c, direction: [1, 0, 0], profile: {expression: "1 N * (1 + time / (1 s)) * sin(55 * time / (1 s))"}}
+  h: {type: force, body: c, direction: [0, 1, 0], profile: {expression: "1 N * (1 + time / (2 s)) * sin(43 * time / (1 s) + 0.7)"}}
+quantities:
+  ax: {acceleration: {body: c, component: x}}
+  ay: {acceleration: {body: c, component: y}}
+requirements:
+  - {id: r, expression: ')TEXT" +
+                       law + R"TEXT(', at_most: 1000}
+)TEXT")
+        .judge("r");
+  };
+  for (const std::string law : {"ax * ay", "-ax * ay", "abs(ax) + abs(ay)", "ax^2 * ay", "ax / (4 m/s^2 + ay)"}) {
+    const hil::Verdict coarse = judge("16 ms", law), fine = judge("1 ms", law);
+    EXPECT_NEAR(coarse.value, fine.value, std::max(coarse.uncertainty, 3e-4 * std::abs(fine.value))) << law;
+  }
+}
+
 TEST(LawCurve, NeitherKnotsNorDipsBesideItsIntervalCount) {
   const AnalysedRun run = fly("abs(x) / (1 m)", "from: early, to: late, at_least: 0");
   EXPECT_NEAR(run.judge("r").value, kSpeed * (kCrossing - 0.4), kExact);
