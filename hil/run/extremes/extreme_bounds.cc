@@ -21,6 +21,11 @@ constexpr double kFine = 1e-4, kFloor = 1e-4;
 // Newton's form about one interval, its knots taken from the middle outwards.
 struct ExtremeBounds::Stencil {
   Stencil(std::span<const double> times, std::span<const double> values, std::size_t interval);
+  // How far the polynomial, give or take what it may be off, is at most from the chord between the interval's ends:
+  // by its terms and its parabolas, whatever the ratio is, and beyond the rounding of calc().
+  [[nodiscard]] double calc_most_departure() const;
+  // Before calc(): by how much it may be off depends on all differences.
+  void measure_ratio();
   // The polynomial at a time in the interval, and by how much it may be off.
   struct Value {
     double value, uncertainty;
@@ -40,6 +45,7 @@ struct ExtremeBounds::Stencil {
       return terms[0] + (time - nearest) * (terms[1] + (time - next) * terms[2]);
     }
   };
+  double differences_[kPoints][kPoints] = {};  // divided: of order k from knot i on
   std::optional<Side> before_, behind_;
 };
 
@@ -49,43 +55,66 @@ ExtremeBounds::Stencil::Stencil(std::span<const double> times, std::span<const d
       to(times[interval + 1]),
       at_from(values[interval]),
       at_to(values[interval + 1]) {
-  // Divided differences: of order k from knot i on.
-  double differences[kPoints][kPoints] = {};
-  std::copy(values.begin(), values.end(), differences[0]);
+  std::copy(values.begin(), values.end(), differences_[0]);
   for (std::size_t k = 1; k < count; ++k)
     for (std::size_t i = 0; i + k < count; ++i)
-      differences[k][i] = (differences[k - 1][i + 1] - differences[k - 1][i]) / (times[i + k] - times[i]);
+      differences_[k][i] = (differences_[k - 1][i + 1] - differences_[k - 1][i]) / (times[i + k] - times[i]);
   // From the interval outwards, to either side in turn as far as there are knots.
   std::size_t first = interval, last = interval + 1;
   order[0] = times[first];
   order[1] = times[last];
-  terms[0] = differences[0][first];
-  terms[1] = differences[1][first];
+  terms[0] = differences_[0][first];
+  terms[1] = differences_[1][first];
   for (std::size_t k = 2; k < count; ++k) {
     const bool to_left = first > 0 && (last + 1 == count || interval - first <= last - interval - 1);
     order[k] = to_left ? times[--first] : times[++last];
-    terms[k] = differences[k][first];
+    terms[k] = differences_[k][first];
   }
   spacing = (times[count - 1] - times[0]) / static_cast<double>(count - 1);
+  if (interval < 2 || interval + 4 > count) return;
+  const auto& d = differences_;
+  const std::size_t i = interval, k = interval + 1;
+  before_ = {times[i], times[i - 1], {d[0][i], d[1][i - 1], d[2][i - 2]}};
+  behind_ = {times[k], times[k + 1], {d[0][k], d[1][k], d[2][k]}};
+}
+
+double ExtremeBounds::Stencil::calc_most_departure() const {
+  constexpr double kRounding = 1e-12;  // of calc(), of the largest number in it; some thousand times what it is
+  const double h = to - from;
+  double curve = 0, way = 0.25 * (h * h), last = 0, before = 0;
+  for (std::size_t k = 2; k < count; ++k) {
+    before = last;
+    last = way * std::abs(terms[k]);
+    curve += last;
+    way *= std::max(std::abs(from - order[k]), std::abs(to - order[k]));
+  }
+  double aside = 0;  // of the nearer parabola from the chord
+  if (before_) {
+    const auto calc_aside = [&](const Side& side, double far) {
+      return h * (std::abs(terms[1] - side.terms[1]) + std::abs(far - side.next) * std::abs(side.terms[2]));
+    };
+    aside = std::min(calc_aside(*before_, to), calc_aside(*behind_, from));
+  }
+  const double most = curve + std::max({last, before, curve + aside});
+  const double size = std::max(std::abs(at_from), std::abs(at_to)) + (most + h * std::abs(terms[1]));
+  return most + kRounding * size;
+}
+
+void ExtremeBounds::Stencil::measure_ratio() {
   // The largest difference of each order, as of knots of equal spacing.
-  double sizes[kPoints] = {}, scale = 1, size = 0;
-  for (const double value : values) size = std::max(size, std::abs(value));
+  double sizes[kPoints] = {}, scale = 1;
   for (std::size_t k = 0; k < count; ++k) {
     if (k > 0) scale *= static_cast<double>(k) * spacing;
-    for (std::size_t i = 0; i + k < count; ++i) sizes[k] = std::max(sizes[k], scale * std::abs(differences[k][i]));
+    for (std::size_t i = 0; i + k < count; ++i) sizes[k] = std::max(sizes[k], scale * std::abs(differences_[k][i]));
   }
   const auto fall = [&](std::size_t k, std::size_t by) {
-    return sizes[k] > kLeastFall * size ? std::min(1.0, sizes[k] / sizes[k - by]) : 0;
+    return sizes[k] > kLeastFall * sizes[0] ? std::min(1.0, sizes[k] / sizes[k - by]) : 0;
   };
   if (count == 3) ratio = fall(2, 1);
   if (count == 4) ratio = std::sqrt(fall(3, 2));
   if (count > 4) ratio = std::sqrt(fall(4, 2));
   if (count > 5) ratio = std::max(ratio, std::sqrt(fall(5, 2)));
   doubt = ratio * ratio * ratio * ratio;
-  if (interval < 2 || interval + 4 > count) return;
-  const std::size_t i = interval, k = interval + 1;
-  before_ = {times[i], times[i - 1], {differences[0][i], differences[1][i - 1], differences[2][i - 2]}};
-  behind_ = {times[k], times[k + 1], {differences[0][k], differences[1][k], differences[2][k]}};
 }
 
 ExtremeBounds::Stencil::Value ExtremeBounds::Stencil::calc(double time) const {
@@ -191,6 +220,13 @@ void ExtremeBounds::search_pair(FinerValues* finer, Side side) const {
   if (!refine(times_[0], times_[1], finer, side)) side.bound->unsearched = std::min(side.bound->unsearched, least);
 }
 
+namespace {
+
+// What is not smaller than this changes nothing of a bound.
+double get_greatest(const ExtremeBounds::Bound& bound) { return std::max({bound.least, bound.most, bound.value}); }
+
+}  // namespace
+
 void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const auto [least, most] = std::minmax_element(values_, values_ + count_);
   const double beyond = kBeyond * (*most - *least);
@@ -198,9 +234,14 @@ void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const double high = std::max(values_[interval], values_[interval + 1]);
   const bool may_be_low = low - beyond < low_.value, may_be_high = -high - beyond < high_.value;
   if (!(beyond > 0) || !(may_be_low || may_be_high) || leaves_out(interval)) return;
-  const Stencil stencil({times_, count_}, {values_, count_}, interval);
-  if (may_be_low) search(stencil, finer, {1, &low_});
-  if (may_be_high) search(stencil, finer, {-1, &high_});
+  Stencil stencil({times_, count_}, {values_, count_}, interval);
+  const double departure = stencil.calc_most_departure();
+  const bool changes_low = may_be_low && !(low - departure >= get_greatest(low_));
+  const bool changes_high = may_be_high && !(-high - departure >= get_greatest(high_));
+  if (!changes_low && !changes_high) return;
+  stencil.measure_ratio();
+  if (changes_low) search(stencil, finer, {1, &low_});
+  if (changes_high) search(stencil, finer, {-1, &high_});
 }
 
 void ExtremeBounds::search(const Stencil& stencil, FinerValues* finer, Side side) const {
