@@ -73,7 +73,10 @@ ModalWork arrange_work(int m, Arrays& from) {
           .acceleration = from.take<double>(m)};
 }
 MarkerWork arrange_marker(int m, Arrays& from) {
-  return {.columns = from.take<Spatial>(m), .arm = from.take_one<Vec3>(), .bias = from.take_one<Spatial>()};
+  return {.columns = from.take<Spatial>(m),
+          .arm = from.take_one<Vec3>(),
+          .turn = from.take_one<MarkerTurn>(),
+          .bias = from.take_one<Spatial>()};
 }
 template <class Arranged>
 int count_numbers(Arranged (*arrange)(int, Arrays&), int m) {
@@ -121,13 +124,8 @@ Sym3 calc_inertia(const PlanFlexible& body, const ModalShape& s, const double* e
   return {t - P.xx, t - P.yy, t - P.zz, -P.xy, -P.xz, -P.yz};
 }
 
-// The marker's turn in its body as a Rodrigues vector g, and how it changes.
-struct Turn {
-  Vec3 g, g_rate, w;  // w: of the marker relative to the body, body axes
-  double scale;       // 1 / (1 + g²)
-};
-Turn calc_turn(const MarkerShape& shape, const Coordinates& c) {
-  Turn t;
+MarkerTurn calc_turn(const MarkerShape& shape, const Coordinates& c) {
+  MarkerTurn t;
   t.g = 0.5 * combine(shape.turn, c.eta);
   t.g_rate = 0.5 * combine(shape.turn, c.rate);
   t.scale = 1 / (1 + dot(t.g, t.g));
@@ -140,7 +138,7 @@ struct Carried {
   Vec3 u;       // from the body's origin, body axes
   Vec3 arm;     // u in world axes
   Vec3 u_rate;  // by the modal rates alone, body axes
-  Turn turn;
+  MarkerTurn turn;
   Mat3 R;  // of the body
 };
 Carried calc_carried(const PlanData& plan, const PlanMarker& marker, const Mat3& R, const Coordinates& c) {
@@ -207,10 +205,17 @@ ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept {
 }
 int get_work_size(int modes) noexcept { return count_numbers(arrange_work, modes); }
 
+MarkerArray::MarkerArray(const PlanFlexible& body, Evaluation& ev) noexcept
+    : numbers_(ev.modal.data() + body.work + get_work_size(body.modes)),
+      size_(get_marker_size(body.modes)),
+      modes_(body.modes),
+      first_(body.first_marker) {}
+MarkerWork MarkerArray::operator[](int marker) const noexcept {
+  Arrays arrays(numbers_ + (marker - first_) * size_);
+  return arrange_marker(modes_, arrays);
+}
 MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
-  const int m = body.modes, before = get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
-  Arrays arrays(ev.modal.data() + body.work + before);
-  return arrange_marker(m, arrays);
+  return MarkerArray(body, ev)[marker];
 }
 int get_marker_size(int modes) noexcept { return count_numbers(arrange_marker, modes); }
 
@@ -224,14 +229,16 @@ void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
     const BodyState frame = read_body(ev, body.body);
     const Mat3 R = rotation_matrix(frame.q);
     const Coordinates c = get_coordinates(body, ev);
+    const MarkerArray markers(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
       const PlanMarker& marker = plan.markers[at(i)];
       const Carried carried = calc_carried(plan, marker, R, c);
       write_body(ev, marker.body, carry(carried, frame));
-      const MarkerWork work = get_marker(body, i, ev);
+      const MarkerWork work = markers[i];
       const MarkerShape shape = get_marker_shape(plan, marker, body.modes);
-      const Turn& t = carried.turn;
+      const MarkerTurn& t = carried.turn;
       *work.arm = carried.arm;
+      *work.turn = t;
       for (std::size_t k = 0; k < work.columns.size(); ++k) {
         const Vec3& axis = shape.turn[k];
         work.columns[k] = {R * shape.displacement[k], R * (t.scale * (axis + cross(t.g, axis)))};
@@ -258,12 +265,13 @@ void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) 
     const Mat3 R = read(ev.blocks.data(), place, &BodyLane::R);
     const Vec3 w = read(ev.blocks.data(), place, &BodyLane::w_W);
     const Coordinates c = get_coordinates(body, ev);
+    const MarkerArray markers(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
-      const MarkerWork work = get_marker(body, i, ev);
+      const MarkerWork work = markers[i];
       Spatial bias{{0, 0, 0}, {0, 0, 0}};
       if (kind == RowTarget::kAcceleration) {
         const MarkerShape shape = get_marker_shape(plan, plan.markers[at(i)], body.modes);
-        const Turn t = calc_turn(shape, c);
+        const MarkerTurn& t = *work.turn;
         const Vec3 w_rel = R * t.w;
         bias.lin = cross(w, cross(w, *work.arm)) + 2.0 * cross(w, R * combine(shape.displacement, c.rate));
         bias.ang = cross(w, w_rel) - (2 * t.scale * dot(t.g, t.g_rate)) * w_rel;

@@ -80,13 +80,30 @@ struct ModalWork {
 ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept;
 int get_work_size(int modes) noexcept;
 
-// Motion of one marker relative to its body at one stage, world axes.
+// A marker's turn in its body as a Rodrigues vector g, and how it changes.
+struct MarkerTurn {
+  Vec3 g, g_rate, w;  // w: of the marker relative to the body, body axes
+  double scale;       // 1 / (1 + g²)
+};
+
+// Motion of one marker relative to its body at one stage, world axes but for the turn.
 struct MarkerWork {
   // computed by update_markers()
   std::span<Spatial> columns;  // its velocity and angular velocity per modal rate
   Vec3* arm;                   // from the body's origin
+  MarkerTurn* turn;            //
   // computed by update_marker_biases()
   Spatial* bias;  // its acceleration beyond those of the body and the modal coordinates
+};
+// The markers of one body, by their numbers in the plan.
+class MarkerArray {
+ public:
+  MarkerArray(const PlanFlexible& body, Evaluation& ev) noexcept;
+  MarkerWork operator[](int marker) const noexcept;
+
+ private:
+  double* numbers_;
+  int size_, modes_, first_;
 };
 MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
 int get_marker_size(int modes) noexcept;

@@ -17,12 +17,23 @@ namespace {
 // greatest of several parts is that of the real-valued ones, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
 
+// The reach of a one-sided force, by its number: the events of its engagement and of its end follow each other.
+struct LatestReach {
+  std::int32_t force = kNone;
+  bool is_on = false;
+  double reach = 0;
+};
+
 // Guard of an engagement: ≥ 0 where the force is to be engaged; of its end (`below`): > 0 where it is not.
-[[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
-  const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
-  if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
-  const double reach = calc_reach(now.plan, own, calc_motion(now.plan, now.state, ev, own));
-  return c.below ? -reach - std::numeric_limits<double>::min() : reach;
+[[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c,
+                                          LatestReach& latest) {
+  if (latest.force != c.subject) {
+    const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
+    latest = {c.subject, is_on(now.state.elements[at(own.element)], now.t)};
+    if (latest.is_on) latest.reach = calc_reach(now.plan, own, calc_motion(now.plan, now.state, ev, own));
+  }
+  if (!latest.is_on) return kNo;
+  return c.below ? -latest.reach - std::numeric_limits<double>::min() : latest.reach;
 }
 
 // Quantities other than the most frequent ones. Out of line, so that the frequent ones need few registers.
@@ -31,7 +42,8 @@ constexpr double kYes = 1e100, kNo = -1e100;
 }
 
 // A condition without parts; `subject` and `axis` are those of PlanCondition's table.
-UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
+UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c,
+                                      LatestReach& latest) {
   const PlanData& plan = now.plan;
   const State& state = now.state;
   const std::size_t subject = at(c.subject);
@@ -53,7 +65,7 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
       value = ev.speeds[subject];
       break;
     case Condition::Kind::kReach:
-      return calc_reach_guard(now, ev, c);
+      return calc_reach_guard(now, ev, c, latest);
     case Condition::Kind::kEngaged:
       return state.engaged[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kSignal:
@@ -73,15 +85,15 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
 }
 
 // Guard of parts that must all hold. Those that cannot change within a sub-step come first.
-double calc_all(const Instant& now, const Evaluation& ev, std::span<const PlanCondition> parts) {
-  double value = calc_elementary(now, ev, parts[0]);
+double calc_all(const Instant& now, const Evaluation& ev, std::span<const PlanCondition> parts, LatestReach& latest) {
+  double value = calc_elementary(now, ev, parts[0], latest);
   for (std::size_t i = 1; i < parts.size() && value != kNo; ++i)
-    value = std::min(value, calc_elementary(now, ev, parts[i]));
+    value = std::min(value, calc_elementary(now, ev, parts[i], latest));
   return value;
 }
 
 double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> stack,
-                   std::span<const PlanCondition> postfix) {
+                   std::span<const PlanCondition> postfix, LatestReach& latest) {
   std::size_t top = 0;
   for (const PlanCondition& c : postfix) {
     const std::size_t parts = at(c.part_count);
@@ -95,7 +107,7 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
       top -= parts;
       stack[top++] = value;
     } else {
-      stack[top++] = calc_elementary(now, ev, c);
+      stack[top++] = calc_elementary(now, ev, c, latest);
     }
   }
   return stack[0];
@@ -137,6 +149,7 @@ void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) 
   const PlanCondition* conditions = now.plan.conditions.data();
   const EventState* state = now.state.events.data();
   double* guard = ev.guards.data();
+  LatestReach latest;
   for (const PlanEvent& event : now.plan.events) {
     const EventPhase phase = (state++)->phase;
     const bool can_cross = phase == EventPhase::kArmed || (phase == EventPhase::kSpent && event.repeat);
@@ -144,9 +157,9 @@ void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) 
     if (!can_cross)
       *guard++ = kNo;
     else if (event.flat_parts > 0)
-      *guard++ = calc_all(now, ev, {first, at(event.flat_parts)});
+      *guard++ = calc_all(now, ev, {first, at(event.flat_parts)}, latest);
     else
-      *guard++ = calc_nested(now, ev, stack, {first, at(event.condition_count)});
+      *guard++ = calc_nested(now, ev, stack, {first, at(event.condition_count)}, latest);
   }
   if (!ev.pair_distances.empty()) update_pair_guards(now, ev);
 }

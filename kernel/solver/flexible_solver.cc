@@ -73,10 +73,8 @@ void begin_block(const Node& node, const Evaluation& ev, const Sweep& sweep) {
 }
 
 // Adds an outboard marker, with the blocks of the bodies that it carries; its load is added to `b` and `free`.
-void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sweep& sweep, int i, bool with_block,
-                Spatial& b) {
-  const PlanMarker& marker = plan.markers[at(i)];
-  const MarkerWork work = get_marker(node.body, i, ev);
+void add_marker(const Node& node, Evaluation& ev, const Sweep& sweep, const PlanMarker& marker, const MarkerWork& work,
+                bool with_block, Spatial& b) {
   const ModalWork& w = node.work;
   const Place place = ev.places[at(marker.body)];
   const double* blocks = ev.blocks.data();
@@ -167,11 +165,12 @@ bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const P
   const Node node{body, get_shape(plan, body), get_work(body, ev), ev.places[at(body.body)]};
   const ModalWork& w = node.work;
   const bool held = body.inboard != kNone;
-  const MarkerWork holder = get_marker(body, held ? body.inboard : body.first_marker, ev);
+  const MarkerArray markers(body, ev);
+  const MarkerWork holder = markers[held ? body.inboard : body.first_marker];
   Spatial b = begin_load(node, ev, sweep);
   if (with_block) begin_block(node, ev, sweep);
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i)
-    if (i != body.inboard) add_marker(plan, node, ev, sweep, i, with_block, b);
+    if (i != body.inboard) add_marker(node, ev, sweep, plan.markers[at(i)], markers[i], with_block, b);
   if (with_block && !factor(plan, ev, node, held ? &holder : nullptr)) return false;
   if (held) b = move_loads(node, holder, sweep.biased, b);
   for (std::size_t k = 0; k < w.W.size(); ++k) b = b - w.free[k] * w.W[k];
@@ -195,10 +194,11 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
   const std::size_t m = w.W.size();
   double* blocks = ev.blocks.data();
   const bool held = body.inboard != kNone;
+  const MarkerArray markers(body, ev);
   Spatial a = held ? read(blocks, get_inboard_place(plan, ev, body), &SharedLane::acceleration) : solve_root(w);
   for (std::size_t k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot(w.W[k], a);
   if (held) {
-    const MarkerWork holder = get_marker(body, body.inboard, ev);
+    const MarkerWork holder = markers[body.inboard];
     if (sweep.biased) a = a - *holder.bias;
     a = shift_motion(a, -*holder.arm);
     for (std::size_t k = 0; k < m; ++k) a = a - w.acceleration[k] * w.D[k];
@@ -206,7 +206,7 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
   write(blocks, ev.places[at(body.body)], &SharedLane::acceleration, a);
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
     if (i == body.inboard) continue;
-    const MarkerWork marker = get_marker(body, i, ev);
+    const MarkerWork marker = markers[i];
     Spatial carried = shift_motion(a, *marker.arm);
     for (std::size_t k = 0; k < m; ++k) carried = carried + w.acceleration[k] * marker.columns[k];
     if (sweep.biased) carried = carried + *marker.bias;

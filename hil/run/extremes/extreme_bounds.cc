@@ -137,6 +137,13 @@ bool ExtremeBounds::may_matter(double end, double change, Side side) const {
   return end - kSure * change < side.bound->value && change > kFine * std::max(std::abs(end), kFloor * size_);
 }
 
+namespace {
+
+// What is not smaller than this changes nothing of a bound.
+double get_greatest(const ExtremeBounds::Bound& bound) { return std::max({bound.least, bound.most, bound.value}); }
+
+}  // namespace
+
 void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const auto [least, most] = std::minmax_element(values_, values_ + count_);
   const double beyond = kBeyond * (*most - *least);
@@ -144,9 +151,17 @@ void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   const double high = std::max(values_[interval], values_[interval + 1]);
   const bool may_be_low = low - beyond < low_.value, may_be_high = -high - beyond < high_.value;
   if (!(beyond > 0) || !(may_be_low || may_be_high) || leaves_out(interval)) return;
-  const ValueStencil stencil({times_, count_}, {values_, count_}, interval);
-  if (may_be_low) search(stencil, finer, {1, &low_});
-  if (may_be_high) search(stencil, finer, {-1, &high_});
+  const ValueTerms terms({times_, count_}, {values_, count_}, interval);
+  bool changes_low = may_be_low, changes_high = may_be_high;
+  if (count_ == kPoints) {  // fewer knots hardly tell how wrong their polynomial is
+    const double departure = terms.calc_most_departure();
+    changes_low = may_be_low && !(low - departure >= get_greatest(low_));
+    changes_high = may_be_high && !(-high - departure >= get_greatest(high_));
+    if (!changes_low && !changes_high) return;
+  }
+  const ValueStencil stencil(terms);
+  if (changes_low) search(stencil, finer, {1, &low_});
+  if (changes_high) search(stencil, finer, {-1, &high_});
 }
 
 void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side side) const {

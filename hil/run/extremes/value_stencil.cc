@@ -10,39 +10,66 @@ constexpr double kLeastFall = 1e-14;  // of values: rounding of a difference
 
 }  // namespace
 
-ValueStencil::ValueStencil(std::span<const double> times, std::span<const double> values, std::size_t interval)
+ValueTerms::ValueTerms(std::span<const double> times, std::span<const double> values, std::size_t interval)
     : count_(times.size()),
       from_(times[interval]),
       to_(times[interval + 1]),
       at_from_(values[interval]),
       at_to_(values[interval + 1]) {
-  // Divided differences: of order k from knot i on.
-  double differences[kMost][kMost] = {};
-  std::copy(values.begin(), values.end(), differences[0]);
+  std::copy(values.begin(), values.end(), differences_[0]);
   for (std::size_t k = 1; k < count_; ++k)
     for (std::size_t i = 0; i + k < count_; ++i)
-      differences[k][i] = (differences[k - 1][i + 1] - differences[k - 1][i]) / (times[i + k] - times[i]);
+      differences_[k][i] = (differences_[k - 1][i + 1] - differences_[k - 1][i]) / (times[i + k] - times[i]);
   // From the interval outwards, to either side in turn as far as there are knots.
   std::size_t first = interval, last = interval + 1;
   order_[0] = times[first];
   order_[1] = times[last];
-  terms_[0] = differences[0][first];
-  terms_[1] = differences[1][first];
+  terms_[0] = differences_[0][first];
+  terms_[1] = differences_[1][first];
   for (std::size_t k = 2; k < count_; ++k) {
     const bool to_left = first > 0 && (last + 1 == count_ || interval - first <= last - interval - 1);
     order_[k] = to_left ? times[--first] : times[++last];
-    terms_[k] = differences[k][first];
+    terms_[k] = differences_[k][first];
   }
   spacing_ = (times[count_ - 1] - times[0]) / static_cast<double>(count_ - 1);
+  if (interval < 2 || interval + 4 > count_) return;
+  const auto& d = differences_;
+  const std::size_t i = interval, k = interval + 1;
+  before_ = {times[i], times[i - 1], {d[0][i], d[1][i - 1], d[2][i - 2]}};
+  behind_ = {times[k], times[k + 1], {d[0][k], d[1][k], d[2][k]}};
+}
+
+double ValueTerms::calc_most_departure() const {
+  constexpr double kRounding = 1e-12;  // of calc(), of the largest number in it; some thousand times what it is
+  const double h = to_ - from_;
+  double curve = 0, way = 0.25 * (h * h), last = 0, before = 0;
+  for (std::size_t k = 2; k < count_; ++k) {
+    before = last;
+    last = way * std::abs(terms_[k]);
+    curve += last;
+    way *= std::max(std::abs(from_ - order_[k]), std::abs(to_ - order_[k]));
+  }
+  double aside = 0;  // of the nearer parabola from the chord
+  if (before_) {
+    const auto calc_aside = [&](const Side& side, double far) {
+      return h * (std::abs(terms_[1] - side.terms[1]) + std::abs(far - side.next) * std::abs(side.terms[2]));
+    };
+    aside = std::min(calc_aside(*before_, to_), calc_aside(*behind_, from_));
+  }
+  const double most = curve + std::max({last, before, curve + aside});
+  const double size = std::max(std::abs(at_from_), std::abs(at_to_)) + (most + h * std::abs(terms_[1]));
+  return most + kRounding * size;
+}
+
+ValueStencil::ValueStencil(const ValueTerms& terms) : ValueTerms(terms) {
   // The largest difference of each order, as of knots of equal spacing.
-  double sizes[kMost] = {}, scale = 1, size = 0;
-  for (const double value : values) size = std::max(size, std::abs(value));
+  double sizes[kMost] = {}, scale = 1;
   for (std::size_t k = 0; k < count_; ++k) {
     if (k > 0) scale *= static_cast<double>(k) * spacing_;
-    for (std::size_t i = 0; i + k < count_; ++i) sizes[k] = std::max(sizes[k], scale * std::abs(differences[k][i]));
+    for (std::size_t i = 0; i + k < count_; ++i) sizes[k] = std::max(sizes[k], scale * std::abs(differences_[k][i]));
   }
   const auto fall = [&](std::size_t k, std::size_t by) {
-    return sizes[k] > kLeastFall * size ? std::min(1.0, sizes[k] / sizes[k - by]) : 0;
+    return sizes[k] > kLeastFall * sizes[0] ? std::min(1.0, sizes[k] / sizes[k - by]) : 0;
   };
   if (count_ == 3) ratio_ = fall(2, 1);
   if (count_ == 4) ratio_ = std::sqrt(fall(3, 2));
@@ -51,10 +78,6 @@ ValueStencil::ValueStencil(std::span<const double> times, std::span<const double
   doubt_ = ratio_ * ratio_ * ratio_ * ratio_;
   if (count_ > 2 && count_ < kMost)
     next_ = std::max(sizes[count_ - 1], sizes[count_ - 2]) / (scale * static_cast<double>(count_) * spacing_);
-  if (interval < 2 || interval + 4 > count_) return;
-  const std::size_t i = interval, k = interval + 1;
-  before_ = {times[i], times[i - 1], {differences[0][i], differences[1][i - 1], differences[2][i - 2]}};
-  behind_ = {times[k], times[k + 1], {differences[0][k], differences[1][k], differences[2][k]}};
 }
 
 ValueStencil::Value ValueStencil::calc(double time) const {

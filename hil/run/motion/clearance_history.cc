@@ -192,6 +192,7 @@ double ClearanceHistory::get_resolution(int pair) const {
 }
 
 double ClearanceHistory::calc(const MotionWindow& window, int pair, double time) const {
+  if (const auto known = dips_[static_cast<std::size_t>(pair)].calc_within(monitor_, window, time)) return *known;
   const Clearance& clearance = now_[static_cast<std::size_t>(pair)];
   return monitor_
       .calc(static_cast<std::size_t>(pair), to_placement(window.calc_body(clearance.a, time)),

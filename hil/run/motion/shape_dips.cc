@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -92,15 +93,16 @@ class ShapeDips::Memory {
   // Moves to a piece of motion, if it is another one.
   void move_on(const ClearanceMonitor& monitor, const MotionPiece& piece) {
     if (is_of(piece)) return;
-    if (known_ && is_at(piece.start, ends_[1])) {
+    before_ = {};
+    ++number_;
+    continues_ = known_ && is_at(piece.start, ends_[1]);
+    if (continues_) {
+      before_ = {.from = from_, .to = to_, .bend = bend_, .is_sorted = sorted_};
       std::swap(ends_[0], ends_[1]);
-      for (Of& of : of_) of.slab[0] = of.slab[1], of.value[0] = of.value[1];
     } else {
-      for (Of& of : of_) of.slab[0] = of.value[0] = kUnknown;
       place(monitor, piece.start, ends_[0]);
       sorted_ = false;
     }
-    for (Of& of : of_) of.slab[1] = of.value[1] = kUnknown;
     place(monitor, piece.end, ends_[1]);
     known_ = true;
     from_ = piece.from;
@@ -132,9 +134,24 @@ class ShapeDips::Memory {
   // Pairs of shapes, in order, without those whose boxes are so far apart within the piece that no distance of theirs
   // is below `limit`. Far ones are found once, and their boxes' ways counted from then on.
   const std::vector<std::size_t>& list_near(const std::vector<ShapePair>& pairs, double limit) {
-    if (sorted_ && is_far(limit)) return near_;
+    if (sorted_ && is_far(limit, bend_)) return near_;
     if (limit > tried_) sort(pairs, limit);
-    return is_far(limit) ? near_ : all_;
+    return is_far(limit, bend_) ? near_ : all_;
+  }
+  // Likewise in the piece before, if that is known of this one; null if it is not.
+  [[nodiscard]] const std::vector<std::size_t>* find_near_before(const MotionPiece& before, double limit) const {
+    const bool is_known = before_.is_sorted && before_.from == before.from && before_.to == before.to;
+    return is_known && is_far(limit, std::max(before_.bend, bend_)) ? &near_ : nullptr;
+  }
+
+  // Place of the moving body as seen from the other.
+  [[nodiscard]] geometry::Placement see_moving(const geometry::Placement& a, const geometry::Placement& b) const {
+    return of_b_ ? see(a, b) : see(b, a);
+  }
+  // True if the plane that parted the two lately parts them so far where the moving body is `seen`.
+  [[nodiscard]] bool is_parted_at(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes,
+                                  const geometry::Placement& seen, double limit) const {
+    return of_[i].has_plane && take_off(i, calc_slab(monitor, i, shapes, seen)) >= limit;
   }
 
   // True if the boxes about the two shapes, wherever they get, are so far apart.
@@ -166,7 +183,7 @@ class ShapeDips::Memory {
 
   // Distance at an end of the piece; of convex shapes, with a plane that parts them there.
   double calc_value(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, std::size_t end) {
-    Of& of = of_[i];
+    Of& of = get_present(i);
     if (is_known(of.value[end])) return of.value[end];
     const geometry::Distance found = monitor.calc_pair(shapes, ends_[end].at_a, ends_[end].at_b);
     of.value[end] = found.distance;
@@ -183,13 +200,13 @@ class ShapeDips::Memory {
   // True if the boxes, or that plane, show that no distance below `limit` can be computed at the end of the piece.
   [[nodiscard]] bool is_apart_at_end(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes,
                                      double limit) {
-    if (is_known(of_[i].value[1])) return of_[i].value[1] >= limit;
+    if (const double value = get_present(i).value[1]; is_known(value)) return value >= limit;
     const Extent &still = still_[of_b_ ? shapes.a : shapes.b], &moving = ends_[1].extents[of_b_ ? shapes.b : shapes.a];
     return take_off(i, calc_gap(still, moving)) >= limit ||
            (of_[i].has_plane && take_off(i, get_slab(monitor, i, shapes, 1)) >= limit);
   }
   // Takes a distance at an end that is known already.
-  void take_value(std::size_t i, std::size_t end, double value) { of_[i].value[end] = value; }
+  void take_value(std::size_t i, std::size_t end, double value) { get_present(i).value[end] = value; }
 
   [[nodiscard]] bool is_convex() const { return convex_; }
   // The pair of shapes that was nearest the last time.
@@ -213,11 +230,23 @@ class ShapeDips::Memory {
     Vec3 normal{0, 0, 0};           // of the plane, from the still shape to the other, as seen
     double still = 0;               // m, reach of the still shape
     bool has_plane = false;         //
+    std::int64_t number = 0;        // of the piece that these are of
     double slab[2]{}, value[2]{};   // m, at both ends: across the plane, and the distance
     double apart = 0, overlap = 0;  // m, what a computed distance may be below the widest slab; the latter where it
     double deep = 0;                // is a depth beyond this, m
   };
 
+  // With what is known of it at the ends of the present piece; most pairs of shapes are never asked for.
+  Of& get_present(std::size_t i) {
+    Of& of = of_[i];
+    if (of.number == number_) return of;
+    const bool is_before = continues_ && of.number + 1 == number_;
+    of.slab[0] = is_before ? of.slab[1] : kUnknown;
+    of.value[0] = is_before ? of.value[1] : kUnknown;
+    of.slab[1] = of.value[1] = kUnknown;
+    of.number = number_;
+    return of;
+  }
   [[nodiscard]] bool is_at(std::span<const BodyState> bodies, const Knot& knot) const {
     return is_same_place(bodies[a_], knot.a) && is_same_place(bodies[b_], knot.b);
   }
@@ -226,17 +255,21 @@ class ShapeDips::Memory {
     knot.b = bodies[b_];
     knot.at_a = to_placement(knot.a);
     knot.at_b = to_placement(knot.b);
-    knot.seen = of_b_ ? see(knot.at_a, knot.at_b) : see(knot.at_b, knot.at_a);
+    knot.seen = see_moving(knot.at_a, knot.at_b);
     const std::vector<geometry::ShapeGroup>& moving = of_b_ ? monitor.get_shapes_b(pair_) : monitor.get_shapes_a(pair_);
     for (std::size_t i = 0; i < moving.size(); ++i) knot.extents[i] = geometry::calc_extent(moving[i], knot.seen);
   }
   // Width across the plane at an end, m.
   double get_slab(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes, std::size_t end) {
-    Of& of = of_[i];
+    Of& of = get_present(i);
     if (is_known(of.slab[end])) return of.slab[end];
+    return of.slab[end] = calc_slab(monitor, i, shapes, ends_[end].seen);
+  }
+  [[nodiscard]] double calc_slab(const ClearanceMonitor& monitor, std::size_t i, const ShapePair& shapes,
+                                 const geometry::Placement& seen) const {
     const geometry::ShapeGroup& moving =
         of_b_ ? monitor.get_shapes_b(pair_)[shapes.b] : monitor.get_shapes_a(pair_)[shapes.a];
-    return of.slab[end] = -geometry::calc_reach(moving, ends_[end].seen, -of.normal) - of.still;
+    return -geometry::calc_reach(moving, seen, -of_[i].normal) - of_[i].still;
   }
   static double calc_change(const Vec3& a, const Vec3& b) {
     return std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(b.z - a.z)});
@@ -246,9 +279,9 @@ class ShapeDips::Memory {
     const Vec3 left = a.least - b.most, right = b.least - a.most;
     return std::max({left.x, right.x, left.y, right.y, left.z, right.z});
   }
-  [[nodiscard]] bool is_far(double limit) const {
+  [[nodiscard]] bool is_far(double limit, double bend) const {
     for (std::size_t s = 0; s < far_.size(); ++s)
-      if (!(far_[s] - way_[s] - bend_ >= limit)) return false;
+      if (!(far_[s] - way_[s] - bend >= limit)) return false;
     return true;
   }
   // Far pairs are those whose boxes stay apart for some more pieces such as this.
@@ -269,6 +302,7 @@ class ShapeDips::Memory {
         near_.push_back(i);
     }
     sorted_ = true;
+    before_.is_sorted = false;  // boxes were measured at the end of this piece
     tried_ = limit;
   }
   // Least distance that may be computed, of a slab.
@@ -281,7 +315,15 @@ class ShapeDips::Memory {
   bool of_b_ = true;
   double reach_ = 0;  // m, from the moving body's origin
   bool known_ = false;
+  std::int64_t number_ = 0;  // of the present piece, from 1 on
+  bool continues_ = false;   // it begins where the one before ended
   double from_ = 0, to_ = 0, bend_ = 0;
+  // The piece that this one continues; sorted: far pairs were known in it, by the same boxes as in this one.
+  struct Before {
+    double from = 0, to = 0, bend = 0;
+    bool is_sorted = false;
+  };
+  Before before_;
   Knot ends_[2];
   std::vector<Extent> still_, swept_;
   std::vector<Of> of_;
@@ -327,6 +369,31 @@ std::optional<double> ShapeDips::calc_end(const ClearanceMonitor& monitor, const
     if (value < least) least = value, nearest = i;
   }
   memory.set_nearest(nearest);
+  return least;
+}
+
+std::optional<double> ShapeDips::calc_within(const ClearanceMonitor& monitor, const MotionWindow& window, double time) {
+  Memory& memory = *memory_;
+  const std::vector<ShapePair>& pairs = monitor.get_shape_pairs(memory.get_pair());
+  if (skipping_ == Skipping::kOff || !memory.is_convex() || pairs.size() < 2) return {};
+  const MotionPiece &piece = window.get_present(), &before = window.get_previous();
+  const bool is_present = time >= piece.from;
+  if (!memory.is_of(piece) || time > piece.to || (!is_present && time < before.from)) return {};
+  const MotionPiece& own = is_present ? piece : before;
+  const geometry::Placement a = to_placement(own.calc_body(memory.get_a(), time)),
+                            b = to_placement(own.calc_body(memory.get_b(), time));
+  const std::size_t nearest = memory.get_nearest();
+  double least = monitor.calc_pair(pairs[nearest], a, b).distance;
+  const std::vector<std::size_t>* const near =
+      is_present ? &memory.list_near(pairs, least) : memory.find_near_before(before, least);
+  if (near == nullptr) return {};
+  const geometry::Placement seen = memory.see_moving(a, b);
+  for (const std::size_t i : *near) {
+    if (i == nearest || (is_present && memory.is_beyond(i, pairs[i], least)) ||
+        memory.is_parted_at(monitor, i, pairs[i], seen, least))
+      continue;
+    least = std::min(least, monitor.calc_pair(pairs[i], a, b).distance);
+  }
   return least;
 }
 

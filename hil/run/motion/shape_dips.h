@@ -45,6 +45,9 @@ class ShapeDips {
   // Distance of the watched pair at the end of the piece, to the bit that of the monitor; of convex shapes alone.
   std::optional<double> calc_end(const ClearanceMonitor& monitor, const MotionPiece& piece);
 
+  // Likewise at a time within the present piece, or within the one before if that has left enough behind.
+  std::optional<double> calc_within(const ClearanceMonitor& monitor, const MotionWindow& window, double time);
+
   // Least distance inside the piece of those pairs of shapes that dip there; empty if none is below the limit. Convex
   // shapes that move past each other steadily approach and then recede, so that a dip shows in the slopes at the ends
   // of the piece; other shapes are sampled.

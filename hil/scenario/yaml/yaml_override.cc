@@ -209,10 +209,13 @@ std::vector<YamlError> list_unread_overrides(const YamlNode& root) {
       if (key.origin != YamlKey::Origin::kAdded) known.push_back(key.text);
     if (std::ranges::all_of(own->keys, [](const YamlKey& key) { return key.origin == YamlKey::Origin::kFile; }))
       continue;
-    const std::vector<bool> read = list_read(root, *own);
+    // Most are named outside of the section; what reads the others is searched for once they are met.
+    std::optional<std::vector<bool>> read;
     for (std::size_t i = 0; i < own->keys.size(); ++i) {
       const YamlKey& key = own->keys[i];
-      if (key.origin == YamlKey::Origin::kFile || read[i]) continue;
+      if (key.origin == YamlKey::Origin::kFile || names(root, key.text, *own)) continue;
+      if (!read) read = list_read(root, *own);
+      if ((*read)[i]) continue;
       if (key.origin == YamlKey::Origin::kAdded)
         unread.emplace_back(key.mark,
                             "the scenario has no " + std::string(noun) + " '" + key.text + "', nor does it read one",

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/run/motion/motion_bend.h"
+#include "hil/run/run.h"
 #include "hil/scenario/scenario.h"
 #include "tests/support/random.h"
 
@@ -178,6 +179,51 @@ TEST(ShapeDips, SkippedPairsOfShapesChangeNoBit) {
     EXPECT_NEAR(a->value, calc(a->time), kRounding);
   }
   EXPECT_GT(found, 10);
+}
+
+TEST(ShapeDips, DistancesWithinAPieceAndTheOneBeforeHaveTheBitsOfTheMonitor) {
+  constexpr std::uint64_t kSeed = 34;
+  Random random(kSeed);
+  int present = 0, before = 0;
+  for (int run = 0; run < 60; ++run) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", " + std::to_string(run));
+    std::string text = draw_two(random);
+    for (std::size_t at = text.find("shape: "); at != std::string::npos; at = text.find("shape: ", at)) {
+      const Vec3 v = draw_vector(random, 3), w = draw_vector(random, 5);
+      const auto print = [](const Vec3& a) {
+        return "[" + std::to_string(a.x) + ", " + std::to_string(a.y) + ", " + std::to_string(a.z) + "], ";
+      };
+      const std::string motion = "velocity: " + print(v) + "rate: " + print(w);
+      text.insert(at, motion);
+      at += motion.size() + 1;
+    }
+    const hil::Scenario scenario = hil::load_scenario_text(text, "two.yaml");
+    const auto simulation = hil::build_simulation(scenario);
+    simulation->keep_motion();
+    const hil::ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
+    hil::ShapeDips dips(monitor, 0, 0, 1);
+    hil::MotionWindow window;
+    for (int tick = 1; tick <= 100; ++tick) {
+      ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+      const std::span<const MotionKnot> knots = simulation->get_motion();
+      window.move_on(knots[0], knots[1]);
+      const hil::MotionPiece& piece = window.get_present();
+      if (random.chance(0.1)) continue;  // a piece that is not asked for
+      (void)dips.stays_above(monitor, piece, random.uniform(0, 0.5));
+      for (int look = 0; look < 4; ++look) {
+        const double time = std::max(0.0, random.uniform(piece.from - 1e-3, piece.to));
+        const std::optional<double> known = dips.calc_within(monitor, window, time);
+        if (!known) continue;
+        ++(time < piece.from ? before : present);
+        EXPECT_EQ(
+            *known,
+            monitor.calc(0, hil::to_placement(window.calc_body(0, time)), hil::to_placement(window.calc_body(1, time)))
+                .least.distance);
+      }
+    }
+  }
+  EXPECT_GT(present, 5000);
+  EXPECT_GT(before, 3000);
 }
 
 }  // namespace
