@@ -16,6 +16,9 @@ target_compile_options(unlatch_options INTERFACE
 # Eigen's packet code has FMA intrinsics and sums whose order depends on buffer addresses.
 target_compile_definitions(unlatch_options INTERFACE EIGEN_DONT_VECTORIZE)
 
+# g++ collects its garbage later: some 400 MB more for the largest files, and a twentieth less time.
+add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=400000>)
+
 # The sanitizers: cmake -DUNLATCH_SANITIZE="address,undefined" (see CMakePresets.json).
 set(UNLATCH_SANITIZE "" CACHE STRING "Comma-separated sanitizers for the whole build")
 if(UNLATCH_SANITIZE)

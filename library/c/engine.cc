@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hil/run/findings/findings.h"
+#include "hil/run/linear/loop_margins.h"
 #include "hil/run/replay.h"
 #include "hil/run/run.h"
 #include "hil/scenario/text/number_text.h"

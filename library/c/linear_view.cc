@@ -47,8 +47,15 @@ LinearView::LinearView(hil::LinearSystem system)
            .b_error = matrices_[5].data(),
            .c_error = matrices_[6].data(),
            .d_error = matrices_[7].data()};
-  for (const std::complex<double>& pole : system_.poles) poles_.insert(poles_.end(), {pole.real(), pole.imag()});
-  response_ = {.pole_count = system_.poles.size(), .poles = poles_.data(), .gains = nullptr, .gains_error = nullptr};
+  for (const hil::Pole& pole : system_.poles) {
+    poles_.insert(poles_.end(), {pole.value.real(), pole.value.imag()});
+    poles_error_.push_back(pole.error);
+  }
+  response_ = {.pole_count = system_.poles.size(),
+               .poles = poles_.data(),
+               .gains = nullptr,
+               .gains_error = nullptr,
+               .poles_error = poles_error_.data()};
   gains_[0] = write_rows(system_.gains.values);
   gains_[1] = write_rows(system_.gains.errors);
   response_.gains = gains_[0].data();

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/run/linearization.h"
+#include "hil/run/linear/linearization.h"
 #include "library/include/unlatch.h"
 
 namespace unlatch::library {
@@ -27,7 +27,7 @@ class LinearView {
 
   hil::LinearSystem system_;
   List states_, inputs_, outputs_;
-  std::vector<double> matrices_[8], poles_, gains_[2];
+  std::vector<double> matrices_[8], poles_, poles_error_, gains_[2];
   unlatch_linear_model view_;
   unlatch_linear_response response_;
 };

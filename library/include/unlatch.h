@@ -300,6 +300,7 @@ typedef struct unlatch_linear_response {
    * each unit of a constant input, if the motions decay. INFINITY where the input moves the output without end, by a motion
    * of a pole at 0. */
   const double *gains, *gains_error;
+  const double* poles_error; /* estimated, of each pole, 1/s: a pole whose size is not above it is not distinct from 0 */
 } unlatch_linear_response;
 
 /* Returns those of the model that the latest unlatch_linearize() made, which stays valid with it; UNLATCH_ERROR_ORDER
@@ -307,7 +308,8 @@ typedef struct unlatch_linear_response {
 UNLATCH_API unlatch_status unlatch_get_linear_response(unlatch_simulation* simulation,
                                                        const unlatch_linear_response** response);
 
-/* Margins of a loop, each the least over all crossings; value and frequency (rad/s) are NaN without such a crossing. */
+/* Margins of a loop, each the least over all crossings up to half the sampling frequency, at which the gain may
+ * change ten thousand times at most; value and frequency (rad/s) are NaN without such a crossing. */
 typedef struct unlatch_loop_margins {
   int stable;                   /* 1: the closed loop is */
   double gain, gain_frequency;  /* factor above 1 that the loop's gain may grow by */
@@ -318,8 +320,9 @@ typedef struct unlatch_loop_margins {
 
 /* Returns the margins of negative feedback around the model that the latest unlatch_linearize() made: `loop` is written
  * as for `unlatch linearize --loop`, "torque=12*sensor.angle+30*sensor.gyro.z". period: s, outputs are sampled and the
- * channel is held; 0: continuous. delay: s, with a period a whole number of these. UNLATCH_ERROR_ORDER before the first
- * model; UNLATCH_ERROR_ARGUMENT for a loop that cannot be read or names what the model has not. */
+ * channel is held; 0: continuous. delay: s, from the sample to the command, a whole number of periods or not.
+ * UNLATCH_ERROR_ORDER before the first model; UNLATCH_ERROR_ARGUMENT for a loop that cannot be read, names what the model
+ * has not, or is not resolved: a period below 1e-9 s, or a delay that is too long beside the motion. */
 UNLATCH_API unlatch_status unlatch_calc_margins(unlatch_simulation* simulation, const char* loop, double period,
                                                 double delay, unlatch_loop_margins* margins);
 

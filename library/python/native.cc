@@ -224,6 +224,11 @@ class Simulation {
       poles.emplace_back(response->poles[2 * i], response->poles[2 * i + 1]);
     return poles;
   }
+  std::vector<double> list_poles_error() const {
+    const unlatch_linear_response* response = nullptr;
+    check(unlatch_get_linear_response(get(), &response));
+    return {response->poles_error, response->poles_error + response->pole_count};
+  }
   py::array_t<double> copy_gains(std::size_t rows, std::size_t columns, bool errors) const {
     const unlatch_linear_response* response = nullptr;
     check(unlatch_get_linear_response(get(), &response));
@@ -248,7 +253,7 @@ class Simulation {
                           copy(m->a, n, n), copy(m->b, n, inputs), copy(m->c, outputs, n), copy(m->d, outputs, inputs),
                           copy(m->a_error, n, n), copy(m->b_error, n, inputs), copy(m->c_error, outputs, n),
                           copy(m->d_error, outputs, inputs), list_poles(), copy_gains(outputs, inputs, false),
-                          copy_gains(outputs, inputs, true));
+                          copy_gains(outputs, inputs, true), list_poles_error());
   }
   py::tuple calc_margins(const std::string& loop, double period, double delay) const {
     unlatch_loop_margins m;

@@ -13,7 +13,7 @@ std::string to_lower(std::string text);
 // Nearest of `known` to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
 const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit);
 
-// Suggestion from the known names: "; did you mean 'mass'? known: …".
+// Suggestion from the known names: "did you mean 'mass'? known: …".
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known);
 
 }  // namespace unlatch::hil

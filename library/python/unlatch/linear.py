@@ -11,7 +11,8 @@ class LinearModel(NamedTuple):
     """dx/dt = A x + B u, y = C x + D u about the state at `time`, s. x: deviations of the free coordinates of the present modes, then of
     their speeds; u: of all channels; y: of all sensors' values, then of all quantities. *_error: estimated errors of the entries.
     poles: of A, 1/s, by their size. gains: the steady-state gains D - C A^-1 B, outputs by inputs; inf where the
-    input moves the output without end, by a motion of a pole at 0."""
+    input moves the output without end, by a motion of a pole at 0. poles_error: estimated, 1/s, of each pole: one whose size is
+    not above it is not distinct from 0."""
 
     time: float
     states: List[str]
@@ -31,6 +32,7 @@ class LinearModel(NamedTuple):
     poles: List[complex]
     gains: Matrix
     gains_error: Matrix
+    poles_error: List[float]
 
 
 class LoopMargins(NamedTuple):

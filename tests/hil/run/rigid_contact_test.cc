@@ -1,7 +1,7 @@
 // Rigid contacts of the language, and their results in a run, against closed forms.
 #include <cmath>
 
-#include "hil/run/linearization.h"
+#include "hil/run/linear/linearization.h"
 #include "hil/run/notices/notices.h"
 #include "tests/hil/run/analysed_run.h"
 #include "tests/hil/scenario/scenario_support.h"

@@ -1,5 +1,5 @@
 // Steady-state gains beside systems that are put together from motions of poles at 0 and others, in random coordinates.
-#include "hil/run/steady_gains.h"
+#include "hil/run/linear/steady_gains.h"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +68,8 @@ Parts draw_parts(Random& random, Index at_zero, Index others) {
 // The size of the slowest one is a scale alone.
 hil::SteadyGains calc(const LinearModel& model, const Parts& parts) {
   constexpr double kSlowest = 2;
-  return hil::calc_steady_gains(model, parts.N.rows(), kSlowest);
+  const std::vector<std::complex<double>> at_zero(static_cast<std::size_t>(parts.N.rows()));
+  return hil::calc_steady_gains(model, at_zero, kSlowest);
 }
 
 TEST(GainsAtZero, AreThoseOfTheOtherMotionsWhereNoFreeOneIsSeenOrExcited) {

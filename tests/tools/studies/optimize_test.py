@@ -25,7 +25,7 @@ from processes import SCENARIOS, UNLATCH, ProcessTest, main
 MODULE = Path(UNLATCH).parent.parent / "lib"
 SCENARIO = """unlatch: 1
 name: push
-step: {dt: 10 ms, until: 1 s}
+step: {dt: 100 ms, until: 1 s}
 bodies: {block: {mass: 1 kg, inertia: [1, 1, 1]}}
 elements:
   px: {type: force, body: block, direction: [1, 0, 0], profile: 1 N}
@@ -401,7 +401,7 @@ class OptimizeTest(ProcessTest):
     # more than five in a hundred are heavy in every second search, and the push for all of them costs twice as much.
     def test_a_search_ends_near_the_optimum_though_none_of_its_samples_fails_or_says_that_it_has_not_converged(self):
         (self.folder / "s.yaml").write_text(
-            SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 100 ms, until: 0.2 s").replace("at_least: 1 m", "at_least: 40 mm")
+            SCENARIO.replace("dt: 100 ms, until: 1 s", "dt: 100 ms, until: 0.2 s").replace("at_least: 1 m", "at_least: 40 mm")
             .replace("mass: 1 kg", "mass: 1 kg * k * q") + "constants: {k: 1, q: 1}\n")
         beyond = 1 + 0.01 * statistics.NormalDist().inv_cdf(1 - 0.01 / 0.96)
         statuses = []
@@ -599,7 +599,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         return result
 
     def test_ctrl_c_during_the_verification_says_that_it_is_not_finished_and_resume_finishes_it(self):
-        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 1 ms, until: 1000 s"))
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 100 ms, until: 1 s", "dt: 1 ms, until: 1000 s"))
         text = CATALOGUE.replace("[0 N, 1 N, 2 N, 3 N]", "[1 N, 2 N]") + "budget: {runs: 4}\n"
         self.assertNotIn("hash", self.interrupt_verification(text)["verification"])
         ask = self.look_at("o")
@@ -687,7 +687,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
             self.look_at(f"o{number}")
 
     def test_seconds_bound_the_runs_around_the_result_too(self):
-        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 1 ms, until: 100 s").replace("1 m}", "10 km}"))
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 100 ms, until: 1 s", "dt: 1 ms, until: 100 s").replace("1 m}", "10 km}"))
         result = self.optimize(PROBLEM + "budget: {runs: 1000000, seconds: 1 ms}\n", "o", code=None)
         self.assertLess(result["study_runs"], 10)  # without a bound: the number of slices and differences
 

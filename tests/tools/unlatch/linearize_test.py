@@ -6,6 +6,7 @@
 import json
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
 from processes import SOURCE, UNLATCH, ProcessTest, call, main
@@ -127,15 +128,23 @@ sensors:
     def test_an_event_names_the_state(self):
         self.assertEqual(self.linearize("--at", "event:early")["t"], 0.25)
 
+    def test_the_example_of_its_help_works(self):
+        example = next(line for line in self.run_ok(UNLATCH, "linearize", "--help").stdout.splitlines() if "--at event:" in line)
+        words = [str(SOURCE / word) if word.startswith("hil/") else word for word in example.split()[1:]]
+        words[-1] = str(self.folder / words[-1])
+        self.run_ok(UNLATCH, *words)
+        self.assertIn("A", read_mat(Path(words[-1]).read_bytes()))
+
     def test_a_time_may_have_its_unit(self):
         self.assertEqual(self.linearize("--at", "250 ms"), self.linearize("--at", "0.25"))
         self.assertEqual(call(UNLATCH, "linearize", self.plant, "--at", "2 m").returncode, 2)
 
     def test_wrong_names_are_refused_with_those_that_are_there(self):
-        for options, text in ((("--at", "event:erly"), "did you mean 'early'"), (("--inputs", "thrust"), "there are: torque"),
+        for options, text in ((("--at", "event:erly"), "'erly'; did you mean 'early'"), (("--inputs", "thrust"), "there are: torque"),
                               (("--outputs", "sensor.rate"), "sensor.angle"), (("--at", "never"), "neither a time"),
                               (("--loop", "torque=sensor.angle"), "CHANNEL=GAIN*OUTPUT"),
-                              (("--loop", "torque=1*sensor.angles"), "did you mean 'sensor.angle'"),
+                              (("--loop", "torque=1*sensor.angles"), "'sensor.angles'; did you mean 'sensor.angle'"),
+                              (("--loop", "torque=1e400*sensor.angle"), "too large"),
                               (("--at", "9"), "after the end of the run, 2 s")):
             done = call(UNLATCH, "linearize", self.plant, *options)
             self.assertEqual(done.returncode, 2, done.stdout)
@@ -161,6 +170,110 @@ sensors:
             gain = factor * loop["gain"]["value"]
             again = self.linearize("--loop", f"torque={gain * k}*sensor.angle+{gain * d}*sensor.speed", "--delay", f"{delay}")
             self.assertEqual(again["loops"][0]["stable"], stable, factor)
+
+    # A mass on a rail, u = -(k x + d v), sampled: by the exact discrete plant (T^2/2m, T/m) and the roots of its polynomial.
+    def write_mass(self, mass=2.0, sensors="", extra=""):
+        self.plant.write_text(f"""unlatch: 1
+name: mass
+step: {{dt: 1 ms, until: 1}}
+channels: {{f: {{initial: 0, range: [-50, 50], unit: N}}}}
+bodies: {{b: {{mass: {mass}, inertia: [1, 1, 1]}}}}
+joints: {{rail: {{between: [ground, b], modes: {{h: {{kind: prismatic, axis: x}}}}, mode: h}}}}
+elements:
+  m: {{type: force, body: b, frame: world, direction: [1, 0, 0], profile: 1 N, channel: f}}
+{extra}sensors:
+  x: {{type: displacement, joint: rail, axis: x{sensors}}}
+  v: {{type: speed, joint: rail, axis: x}}
+""", encoding="utf-8")
+
+    def calc_roots(self, k, d, mass, period, delay, factor=1.0):
+        # z^(m+1) (z - 1)^2 + (numerator of the plant with its two held parts)
+        whole, rest = divmod(round(delay / period * 1e9), 10**9)
+        late, f = int(whole), rest / 1e9 * period
+
+        def held(t):  # position and speed after a force of 1 N during t, at its end
+            return np.array([t * t / 2, t]) / mass
+        newer = held(period - f)
+        older = held(period) - newer
+        state = np.array([[1.0, period], [0.0, 1.0]])
+        size = 2 + late + 1
+        A = np.zeros((size, size))  # x, v, then u of 1, 2, ... late + 1 periods ago
+        A[:2, :2] = state
+        gain = -factor * np.array([k, d])
+        if late == 0:
+            A[:2, :2] += np.outer(newer, gain)
+        else:
+            A[:2, 2 + late - 1] = newer
+        A[:2, 2 + late] += older
+        A[2, :2] = gain
+        for i in range(1, late + 1):
+            A[2 + i, 2 + i - 1] = 1
+        return np.linalg.eigvals(A)
+
+    def test_the_gain_margin_of_a_sampled_loop_at_half_the_sampling_frequency_is_found(self):
+        self.write_mass()
+        loop = self.linearize("--loop", "f=200*sensor.x+30*sensor.v", "--period", "0.1")["loops"][0]
+        self.assertTrue(loop["stable"])
+        self.assertAlmostEqual(loop["gain"]["value"], 4 / 3, places=6)
+        self.assertAlmostEqual(loop["gain"]["at"], math.pi / 0.1, places=6)
+
+    def test_margins_of_sampled_loops_with_any_delay_are_those_of_their_polynomials(self):
+        mass = 2.0
+        self.write_mass(mass)
+        for k, d, period, delay in ((20, 9, 0.1, 0), (20, 9, 0.1, 0.03), (20, 9, 0.1, 0.1), (20, 9, 0.1, 0.25), (3, 4, 0.01, 0.0025),
+                                    (3, 4, 0.001, 0.3), (200, 30, 0.1, 0.02), (2, 3, 1e-6, 1e-3)):
+            text = f"f={k}*sensor.x+{d}*sensor.v"
+            loop = self.linearize("--loop", text, "--period", repr(period), "--delay", repr(delay))["loops"][0]
+            if delay / period > 500:  # too large for a dense matrix: continuous but for a period in 1e6
+                continuous = self.linearize("--loop", text, "--delay", repr(delay + period / 2))["loops"][0]
+                for name in ("gain", "phase", "delay"):
+                    self.assertAlmostEqual(loop[name]["value"] / continuous[name]["value"], 1, delta=1e-4, msg=name)
+                continue
+            radius = max(abs(self.calc_roots(k, d, mass, period, delay)))
+            self.assertEqual(loop["stable"], bool(radius < 1), (k, d, period, delay, radius))
+            for name in ("gain", "drop"):
+                if loop[name]:  # there a root crosses the unit circle
+                    roots = abs(self.calc_roots(k, d, mass, period, delay, loop[name]["value"]))
+                    self.assertLess(min(abs(roots - 1)), 1e-7, (name, k, d, period, delay))
+
+    def test_a_long_delay_is_exact_and_what_cannot_be_resolved_is_refused(self):
+        self.write_mass()
+        # v' = -(3/2) v(t - d): stable below d = pi/2 / 1.5, a factor of 1.5 at most by Padé's approximation
+        for delay, stable in ((1.04, True), (1.05, False)):
+            loop = self.linearize("--loop", "f=3*sensor.v", "--delay", str(delay))["loops"][0]
+            self.assertEqual(loop["stable"], stable, delay)
+        for options, text in ((("--period", "1e-300"), "at least 1e-9 s"), (("--delay", "1e9"), "too long beside the motion")):
+            done = call(UNLATCH, "linearize", self.plant, "--loop", "f=3*sensor.v", *options)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(text, done.stderr)
+
+    # theta'' = a theta + u: stable with k > a, and the gain may fall to a/k, at a frequency of 0.
+    def test_the_gain_of_an_unstable_plant_may_fall_to_what_holds_it_at_rest(self):
+        self.plant.write_text(PENDULUM.replace("[9.81, 0, 0]", "[-9.81, 0, 0]"), encoding="utf-8")
+        loop = self.linearize("--loop", "torque=40*sensor.angle+9*sensor.speed")["loops"][0]
+        self.assertTrue(loop["stable"])
+        self.assertAlmostEqual(loop["drop"]["value"], STIFFNESS / 40, places=6)
+        self.assertEqual(loop["drop"]["at"], 0)
+        self.assertFalse(self.linearize("--loop", "torque=14*sensor.angle+9*sensor.speed")["loops"][0]["stable"])
+
+    # Speed and place of a damped mass: poles at 0 and at -c/m, with c/m far below the cube root of the errors.
+    def test_a_slow_pole_is_no_pole_at_0_and_its_gains_are_finite(self):
+        damping = 1e-3
+        self.write_mass(extra=f"  c: {{type: joint_spring, joint: rail, axis: x, damping: {damping}}}\n"
+                        "  k: {type: joint_spring, joint: rail, axis: x, stiffness: 0}\n")
+        linear = self.linearize()
+        self.assertAlmostEqual(linear["poles"][1][0], -damping / 2, delta=1e-9)
+        self.assertLessEqual(math.hypot(*linear["poles"][0]), linear["poles_error"][0])
+        self.assertGreater(damping / 2, linear["poles_error"][1])
+        self.assertIsNone(linear["gains"][0][0])
+        self.assertAlmostEqual(linear["gains"][1][0] * damping, 1, delta=1e-5)
+        self.assertIn("1 pole at 0", self.run_ok(UNLATCH, "linearize", self.plant).stdout)
+
+    def test_what_a_sensor_has_beside_its_ideal_value_is_said(self):
+        self.write_mass(sensors=", errors: {delay: 3, scale: 0.5}")
+        self.assertEqual(self.linearize()["left_out"], ["sensor.x: 3 samples late, scale 0.5"])
+        self.assertIn("note: not in y: sensor.x: 3 samples late", self.run_ok(UNLATCH, "linearize", self.plant).stdout)
+        self.assertEqual(self.linearize("--outputs", "sensor.v")["left_out"], [])
 
     # The loop of the shipped script, which has its plant from the scenario's text: all chambers swing alike about x.
     def test_margins_of_the_boosters_attitude_loop_are_those_of_its_script(self):

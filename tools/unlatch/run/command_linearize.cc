@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "hil/run/linearization.h"
+#include "hil/run/linear/loop_margins.h"
 #include "hil/scenario/text/expression.h"
 #include "hil/scenario/text/number_text.h"
 #include "tools/common/matrix_files.h"
@@ -90,11 +90,17 @@ Json build_json(const hil::Scenario& scenario, const hil::LinearSystem& system, 
                {"C_error", build_matrix(model.C_error)},
                {"D_error", build_matrix(model.D_error)},
                {"accelerations", std::vector<double>(model.accelerations.begin(), model.accelerations.end())}};
-  Json& poles = json["poles"] = Json::array();
-  for (const std::complex<double>& pole : system.poles) poles.push_back({pole.real(), pole.imag()});
+  Json poles = Json::array(), poles_error = Json::array();
+  for (const hil::Pole& pole : system.poles) {
+    poles.push_back({pole.value.real(), pole.value.imag()});
+    poles_error.push_back(pole.error);
+  }
+  json["poles"] = std::move(poles);
+  json["poles_error"] = std::move(poles_error);
   json["gains"] = build_matrix(system.gains.values);  // JSON writes what is infinite as null
   json["gains_error"] = build_matrix(system.gains.errors);
   json["corners"] = model.corners;
+  json["left_out"] = system.left_out;
   Json& list = json["loops"] = Json::array();
   for (const Loop& loop : loops)
     list.push_back({{"loop", loop.text},
@@ -124,12 +130,14 @@ void write_file(const std::string& path, const hil::Scenario& scenario, const hi
                                     {"D_error", model.D_error},
                                     {"accelerations", model.accelerations},
                                     {"t", Eigen::MatrixXd::Constant(1, 1, system.time)}};
-  Eigen::MatrixXd poles(std::ssize(system.poles), 2);
+  Eigen::MatrixXd poles(std::ssize(system.poles), 2), poles_error(std::ssize(system.poles), 1);
   for (Eigen::Index i = 0; i < poles.rows(); ++i) {
-    const std::complex<double>& pole = system.poles[static_cast<std::size_t>(i)];
-    poles.row(i) << pole.real(), pole.imag();
+    const hil::Pole& pole = system.poles[static_cast<std::size_t>(i)];
+    poles.row(i) << pole.value.real(), pole.value.imag();
+    poles_error(i) = pole.error;
   }
   matrices.push_back({"poles", std::move(poles)});
+  matrices.push_back({"poles_error", std::move(poles_error)});
   matrices.push_back({"gains", system.gains.values});
   matrices.push_back({"gains_error", system.gains.errors});
   std::vector<NamedTexts> texts;
@@ -148,19 +156,41 @@ void write_file(const std::string& path, const hil::Scenario& scenario, const hi
   write_text(path.ends_with(".mat") ? build_mat(matrices, texts) : build_npz(matrices, texts), path);
 }
 
-// The largest estimated error of an entry beside the largest entry.
-double calc_relative_error(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& error) {
-  if (matrix.size() == 0) return 0;
-  const double size = matrix.cwiseAbs().maxCoeff();
-  return size > 0 ? error.cwiseAbs().maxCoeff() / size : error.cwiseAbs().maxCoeff();
+// Rows whose estimated errors are more than this of their largest entry are named.
+constexpr double kPoor = 1e-4;
+
+// Errors of a pair of matrices that share rows, (A B) or (C D), beside the largest entry of the row, whose entries have
+// one unit but for that of their column. A row that is 0 but for rounding does not count.
+void print_errors(std::FILE* out, const char* name, const std::vector<hil::LinearName>& rows,
+                  const Eigen::MatrixXd& left, const Eigen::MatrixXd& left_error, const Eigen::MatrixXd& right,
+                  const Eigen::MatrixXd& right_error) {
+  const auto find_largest = [](const Eigen::RowVectorXd& row) {
+    return row.size() > 0 ? row.cwiseAbs().maxCoeff() : 0;
+  };
+  double largest = 0;
+  std::string poor;
+  int count_poor = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double size = std::max(find_largest(left.row(row)), find_largest(right.row(row)));
+    const double error = std::max(find_largest(left_error.row(row)), find_largest(right_error.row(row)));
+    if (size <= error) continue;
+    largest = std::max(largest, error / size);
+    if (error > kPoor * size && ++count_poor <= 3)
+      poor += (poor.empty() ? "" : ", ") + rows[i].name + " " + hil::write_short(error / size);
+  }
+  std::fprintf(out, "  %s %s%s%s%s\n", name, hil::write_short(largest).c_str(), poor.empty() ? "" : ": ", poor.c_str(),
+               count_poor > 3 ? (" and " + count(count_poor - 3, "other")).c_str() : "");
 }
 
 void print_poles(std::FILE* out, const hil::LinearSystem& system) {
   int still = 0;
+  double slowest = 0;  // 1/s: what is slower is not told from 0
   std::fprintf(out, "\npoles                          frequency      damping\n");
-  for (const std::complex<double>& pole : system.poles) {
-    if (std::abs(pole) <= system.pole_rounding) {
+  for (const auto& [pole, error] : system.poles) {
+    if (std::abs(pole) <= error) {
       ++still;
+      slowest = std::max(slowest, std::abs(pole));
       continue;
     }
     if (pole.imag() < 0) continue;
@@ -175,7 +205,7 @@ void print_poles(std::FILE* out, const hil::LinearSystem& system) {
   }
   if (still > 0)
     std::fprintf(out, "%s at 0, to %s /s: free motions\n", count(still, "pole").c_str(),
-                 hil::write_short(system.pole_rounding).c_str());
+                 hil::write_short(slowest).c_str());
 }
 
 // In the order of the model; gains that are not distinct from 0 are left out.
@@ -229,11 +259,9 @@ void print(std::FILE* out, const hil::Scenario& scenario, const hil::LinearSyste
                  hil::write_short(drop_rounding(model.accelerations[static_cast<Eigen::Index>(k)], 1)).c_str());
   print_poles(out, system);
   print_gains(out, system);
-  std::fprintf(out, "\nestimated errors beside the largest entry: A %s, B %s, C %s, D %s\n",
-               hil::write_short(calc_relative_error(model.A, model.A_error)).c_str(),
-               hil::write_short(calc_relative_error(model.B, model.B_error)).c_str(),
-               hil::write_short(calc_relative_error(model.C, model.C_error)).c_str(),
-               hil::write_short(calc_relative_error(model.D, model.D_error)).c_str());
+  std::fprintf(out, "\nestimated errors beside the largest entry of a row, at most\n");
+  print_errors(out, "A, B", system.states, model.A, model.A_error, model.B, model.B_error);
+  print_errors(out, "C, D", system.outputs, model.C, model.C_error, model.D, model.D_error);
   if (model.accelerations.size() > 0 && model.accelerations.cwiseAbs().maxCoeff() > 1e-6)
     std::fprintf(
         out, "note: the state is no equilibrium; the model is of deviations from the motion that goes through it\n");
@@ -242,8 +270,13 @@ void print(std::FILE* out, const hil::Scenario& scenario, const hil::LinearSyste
     std::fprintf(out, "warning: forces have a corner along %s here; its column is the mean of both sides\n",
                  (k < system.states.size() ? system.states[k].name : "a channel").c_str());
   }
+  for (const std::string& text : system.left_out) std::fprintf(out, "note: not in y: %s\n", text.c_str());
+  if (!system.left_out.empty() && !loops.empty())
+    std::fprintf(out, "note: --delay of a loop has to hold what its sensors are late\n");
   for (const Loop& loop : loops) {
-    std::fprintf(out, "\nloop %s: closed, it is %s\n", loop.text.c_str(), loop.margins.stable ? "stable" : "UNSTABLE");
+    std::fprintf(
+        out, "\nloop %s: closed alone, it is %s\n", loop.text.c_str(),
+        loop.margins.stable ? "stable" : "UNSTABLE; what follows says where its number of unstable poles changes");
     const auto gain = loop.margins.gain, drop = loop.margins.drop;
     if (gain)
       std::fprintf(out, "  gain margin    %s (%s dB) at %s rad/s\n", hil::write_short(gain->value).c_str(),
@@ -291,7 +324,7 @@ void add_linearize(Command app, int& exit_code) {
       "the present modes and their speeds, u the channels, y sensors and quantities. Prints the poles and the "
       "steady-state gains; with --loop the "
       "margins of a loop with sampling and delay.",
-      "unlatch linearize hil/scenarios/array/scenario.yaml --at event:latch1 --out array.mat\n"
+      "unlatch linearize hil/scenarios/array/scenario.yaml --at event:latch.panel2 --out array.mat\n"
       "unlatch linearize plant.yaml --inputs torque --outputs 'sensor.gyro.*' --loop 'torque=30*sensor.gyro.z' "
       "--period "
       "10ms --delay 20ms");
@@ -313,14 +346,17 @@ void add_linearize(Command app, int& exit_code) {
   command
       .add_option(
           "--loop", options->loops,
-          "prints the margins of negative feedback: the channel is minus the sum of gain times output; repeatable")
+          "prints the margins of negative feedback: the channel is minus the sum of gain times output; repeatable, and "
+          "each loop is closed alone, with the others open")
       .type_name("CHANNEL=GAIN*OUTPUT+...")
       .repeatable();
   command
       .add_option("--period", options->period,
                   "of the loops, s: outputs are sampled and the channel is held (default: continuous)")
       .seconds();
-  command.add_option("--delay", options->delay, "of the loops, s, from a sample to the command (default: 0)")
+  command
+      .add_option("--delay", options->delay,
+                  "of the loops, s, from a sample to the command, a whole number of periods or not (default: 0)")
       .seconds(Seconds::kZeroToo);
   command
       .add_option("--out", options->out,

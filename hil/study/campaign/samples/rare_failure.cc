@@ -41,7 +41,7 @@ void CampaignReader::read_failure(YamlMap& map, RareFailure& to) {
     return mistakes_.add(
         of->mark,
         own_limit ? "no requirement '" + name + "', and no limit" : "no result '" + name + "' of this scenario",
-        (own_limit ? "a requirement, or add below or above" : "") + suggest(name, known));
+        (own_limit ? "a requirement, or add below or above; " : "") + suggest(name, known));
   }
   to.column_index = static_cast<std::size_t>(at - columns.begin());
   to.unit = at->unit;

@@ -12,6 +12,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <vector>
 
 #include "unlatch/linear_model.h"
 
@@ -23,8 +25,9 @@ struct SteadyGains {
   Eigen::MatrixXd errors;  // estimated: those of the matrices carried over to the first order; infinite likewise
 };
 
-// `at_zero`: how many poles, the smallest, count as 0; `slowest`: size of the smallest one that does not, 1/s (not read
+// `at_zero`: the poles of the model that count as 0; `slowest`: size of the smallest one that does not, 1/s (not read
 // if all count as 0). If the other motions decay, the gains are what the outputs come to.
-SteadyGains calc_steady_gains(const LinearModel& model, Eigen::Index at_zero, double slowest);
+SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::complex<double>>& at_zero,
+                              double slowest);
 
 }  // namespace unlatch::hil

@@ -1,4 +1,4 @@
-#include "hil/run/steady_gains.h"
+#include "hil/run/linear/steady_gains.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -7,29 +7,32 @@
 #include <numeric>
 #include <vector>
 
+#include "hil/run/linear/poles.h"
+
 namespace unlatch::hil {
 namespace {
 
 constexpr double kRounding = 1e-14;  // relative, of the Schur form of some ten to hundred states
 
-// A = U T Uᴴ with the `first` smallest eigenvalues at the beginning of the diagonal of T.
+// A = U T Uᴴ with the eigenvalues that are nearest to those of `first` at the beginning of the diagonal of T.
 struct OrderedSchur {
   Eigen::MatrixXcd T, U;
-  OrderedSchur(const Eigen::MatrixXd& A, Eigen::Index first);
+  OrderedSchur(const Eigen::MatrixXd& A, const std::vector<std::complex<double>>& first);
 
  private:
   void swap(Eigen::Index k);
 };
 
-OrderedSchur::OrderedSchur(const Eigen::MatrixXd& A, Eigen::Index first) {
+OrderedSchur::OrderedSchur(const Eigen::MatrixXd& A, const std::vector<std::complex<double>>& first) {
   const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(A.cast<std::complex<double>>());
   T = schur.matrixT();
   U = schur.matrixU();
-  for (Eigen::Index place = 0; place < first; ++place) {
-    Eigen::Index least = place;
+  for (Eigen::Index place = 0; place < std::ssize(first); ++place) {
+    const std::complex<double> wanted = first[static_cast<std::size_t>(place)];
+    Eigen::Index nearest = place;
     for (Eigen::Index k = place + 1; k < T.rows(); ++k)
-      if (std::abs(T(k, k)) < std::abs(T(least, least))) least = k;
-    for (Eigen::Index k = least; k > place; --k) swap(k - 1);
+      if (std::abs(T(k, k) - wanted) < std::abs(T(nearest, nearest) - wanted)) nearest = k;
+    for (Eigen::Index k = nearest; k > place; --k) swap(k - 1);
   }
 }
 
@@ -57,17 +60,19 @@ Eigen::MatrixXcd solve_sylvester(const Eigen::MatrixXcd& T, Eigen::Index first) 
   return X;
 }
 
-// The model with time and speeds in units of `rate`, so that entries of positions and of speeds are of one size.
+// The model with time in units of 1/rate, so that entries of positions and of speeds are of one size.
 struct Scaled {
   Eigen::MatrixXd A, A_error, B, B_error, C, C_error;
   Scaled(const LinearModel& model, double rate)
-      : A(model.A), A_error(model.A_error), B(model.B), B_error(model.B_error), C(model.C), C_error(model.C_error) {
+      : A(scale_time(model.A, rate)),
+        A_error(scale_time(model.A_error, rate)),
+        B(model.B / rate),
+        B_error(model.B_error / rate),
+        C(model.C),
+        C_error(model.C_error) {
     const Eigen::Index f = A.rows() / 2;
-    for (Eigen::MatrixXd* const rows : {&A, &A_error, &B, &B_error}) {
-      *rows /= rate;
-      rows->bottomRows(f) /= rate;
-    }
-    for (Eigen::MatrixXd* const columns : {&A, &A_error, &C, &C_error}) columns->rightCols(f) *= rate;
+    for (Eigen::MatrixXd* const rows : {&B, &B_error}) rows->bottomRows(f) /= rate;
+    for (Eigen::MatrixXd* const columns : {&C, &C_error}) columns->rightCols(f) *= rate;
   }
 };
 
@@ -75,13 +80,16 @@ double divide(double part, double whole) { return whole > 0 ? part / whole : 0; 
 
 }  // namespace
 
-SteadyGains calc_steady_gains(const LinearModel& model, Eigen::Index at_zero, double slowest) {
+SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::complex<double>>& poles_at_zero,
+                              double slowest) {
   SteadyGains gains{model.D, model.D_error.cwiseAbs()};
-  const Eigen::Index n = model.A.rows(), others = n - at_zero;
+  const Eigen::Index n = model.A.rows(), at_zero = std::ssize(poles_at_zero), others = n - at_zero;
   if (n == 0 || gains.values.size() == 0) return gains;
   const double rate = others > 0 ? slowest : 1;
   const Scaled scaled(model, rate);
-  const OrderedSchur schur(scaled.A, at_zero);
+  std::vector<std::complex<double>> first;
+  for (const std::complex<double>& pole : poles_at_zero) first.push_back(pole / rate);
+  const OrderedSchur schur(scaled.A, first);
   const Eigen::MatrixXcd X = solve_sylvester(schur.T, at_zero);
   const Eigen::MatrixXcd V1 = schur.U.leftCols(at_zero), W2 = schur.U.rightCols(others).adjoint();
   const Eigen::MatrixXcd V2 = V1 * X + schur.U.rightCols(others), W1 = V1.adjoint() - X * W2;
