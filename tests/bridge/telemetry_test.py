@@ -8,6 +8,7 @@ import csv
 import http.server
 import json
 import os
+import signal
 import socket
 import struct
 import sys
@@ -46,8 +47,8 @@ def read_all(connection, to):
 
 
 class TelemetryTest(ProcessTest):
-    def open_telemetry(self, *options, **kinds):
-        process = self.begin(UNLATCH, "telemetry", "--transport", "udp", "--rate", 0, "--until-end", "--json", self.folder / "telemetry.json", *options, **kinds)
+    def open_telemetry(self, *options, transport="udp", **kinds):
+        process = self.begin(UNLATCH, "telemetry", "--transport", transport, "--rate", 0, "--until-end", "--json", self.folder / "telemetry.json", *options, **kinds)
         self.wait_for(process, "waits for a session")
         return process
 
@@ -156,6 +157,44 @@ class TelemetryTest(ProcessTest):
             self.close(telemetry)
             texts.append((self.folder / name).read_bytes())
         self.assertEqual(*texts)
+
+    # A program that is stopped over DDS, whose writer keeps 192 messages: it must say what it missed, and how much.
+    def test_states_that_never_came_are_counted_by_their_numbers(self):
+        telemetry = self.open_telemetry("--packets-tcp", f"127.0.0.1:{TCP_PORT}", "--xtce", self.folder / "session.xml", transport="dds")
+        stream, client = bytearray(), connect(TCP_PORT)
+        self.addCleanup(client.close)
+        reader = threading.Thread(target=read_all, args=(client, stream))
+        reader.start()
+        flight = self.begin(UNLATCH, "hil", SCENARIO, "--transport", "dds", *FLIGHT, "--set", "timing.states.every=1", "--until", 6)
+        while len(stream) < 100_000:
+            time.sleep(0.01)
+        telemetry.send_signal(signal.SIGSTOP)
+        time.sleep(2)
+        telemetry.send_signal(signal.SIGCONT)
+        self.finish(flight, code=None)
+        report = self.close(telemetry)
+        reader.join(HANG)
+        xtce = Xtce((self.folder / "session.xml").read_text())
+        decoded = [values for name, values in map(xtce.decode, split(bytes(stream))) if name == "State"]
+        numbers, counts = [values["State.sequence"] for values in decoded], [values["ccsds_sequence_count"] for values in decoded]
+        missing = numbers[-1] - numbers[0] + 1 - len(set(numbers))  # a State that is resent keeps its number
+        self.assertGreater(missing, 100)
+        self.assertEqual(report["states_lost"], missing)
+        self.assertGreaterEqual(report["lost"], missing)
+        self.assertIn("never came here", telemetry.said.read_text())
+        self.assertEqual([(b - a) % 2**14 for a, b in zip(counts, counts[1:])], [1] * (len(counts) - 1))  # they were lost before
+
+    # States that the scenario leaves out have no number.
+    def test_states_that_the_scenario_leaves_out_are_not_lost(self):
+        end = self.listen()
+        telemetry = self.open_telemetry("--packets", f"127.0.0.1:{UDP_PORT}", "--xtce", self.folder / "session.xml")
+        self.fly(until=1)
+        report = self.close(telemetry)
+        xtce = Xtce((self.folder / "session.xml").read_text())
+        states = [values for name, values in map(xtce.decode, end()) if name == "State"]
+        numbers = [values["State.sequence"] for values in states]
+        self.assertGreaterEqual(states[-1]["State.tick"], 9 * len(states) - 100)  # every tenth
+        self.assertEqual(report["states_lost"], numbers[-1] - numbers[0] + 1 - len(set(numbers)))
 
     # Clients that send nonsense, half a request, or nothing; more than are served; one that stops reading.
     def test_hostile_and_stopped_clients_hinder_nobody(self):

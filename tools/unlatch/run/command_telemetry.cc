@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kWait = 5ms;      // for a message, before the sockets are looked at again
+constexpr auto kWait = 5ms;               // for a message, before the sockets are looked at again
 constexpr auto kTelemetryLinger = 500ms;  // after a session's last State, for what is still on its way to clients
 
 struct Options {
@@ -52,7 +52,9 @@ nlohmann::ordered_json build_json(const bridge::TelemetryReport& report, const b
           {"packets", build_json(report.packets)},
           {"live", build_json(report.live)},
           {"malformed", port.malformed},
-          {"lost", port.lost}};
+          {"lost", report.lost},
+          {"states_lost", report.states_lost},
+          {"transport_lost", port.lost}};
 }
 
 void print(std::FILE* to, const char* what, const bridge::OutletCounts& counts) {
@@ -97,6 +99,12 @@ int run(const Options& options) {
   std::fprintf(people, "%s\n", session == 0 ? "no session was found" : "telemetry of a session");
   print(people, "packets", report.packets);
   print(people, "live", report.live);
+  if (report.lost > 0)
+    std::fprintf(
+        stderr,
+        "unlatch telemetry: %s of the session never came here, by their numbers (%lld of State): nobody behind "
+        "this program received them\n",
+        count(report.lost, "message").c_str(), static_cast<long long>(report.states_lost));
   write_json(build_json(report, port->get_counts(), session), options.json);
   return session != 0 ? kExitDone : kExitFailed;
 }
