@@ -158,6 +158,39 @@ class TelemetryTest(ProcessTest):
             texts.append((self.folder / name).read_bytes())
         self.assertEqual(*texts)
 
+    def test_the_description_of_check_is_that_of_the_session_with_names_of_modes(self):
+        telemetry = self.open_telemetry("--xtce", self.folder / "session.xml")
+        self.fly(until=0.2)
+        self.close(telemetry)
+        self.run_ok(UNLATCH, "check", SCENARIO, "--xtce", self.folder / "check.xml")
+        session, check = (Xtce((self.folder / name).read_text()) for name in ("session.xml", "check.xml"))
+        self.assertEqual(list(session.parameters), list(check.parameters))
+        other = {name for name in session.parameters if session.parameters[name] != check.parameters[name]}
+        self.assertEqual({check.aliases[name] for name in other}, {"clamp.mode"})
+        kind = check.types[check.parameters[other.pop()]]
+        labels = {one.get("label"): one.get("value") for one in kind.iter() if one.get("label") is not None}
+        modes = {joint["name"]: list(joint["modes"]) for joint in self.run_json(UNLATCH, "check", SCENARIO)["joints"]}["clamp"]
+        self.assertEqual(labels, {name: str(i) for i, name in enumerate(modes)})
+        self.assertEqual({check.get_unit(name) for name, alias in check.aliases.items() if alias == "Command.value"}, {""})
+
+    def test_addresses_rates_and_folders_that_cannot_be_are_refused_before_the_session(self):
+        for option, value, reason in (("--live", "127.0.0.1", "write it like 127.0.0.1:10015"), ("--live", ":99999", "ports are 1 to 65535"), ("--packets", "127.0.0.1:0", "1 to 65535"),
+                                      ("--packets-tcp", "nowhere:10015", "localhost:10015"), ("--rate", "nan", "no number from 0 on"), ("--rate", "-1", "no number from 0 on"), ("--rate", "1e999", "from 0 on")):
+            arguments = [option, value] + (["--packets", "127.0.0.1:10015"] if option == "--rate" else [])
+            result = self.run_ok(UNLATCH, "telemetry", "--transport", "udp", *arguments, code=2)
+            self.assertIn(option, result.stderr)
+            self.assertIn(reason, result.stderr)
+            self.assertLess(max(map(len, result.stderr.split())), 60, result.stderr)
+        result = self.run_ok(UNLATCH, "telemetry", "--transport", "udp", "--xtce", self.folder / "none/session.xml", "--for", 1, code=None)
+        self.assertIn("none/session.xml", result.stderr)
+        self.assertNotIn("waits for a session", result.stderr)
+        self.assertNotEqual(result.returncode, 0)
+
+    def test_localhost_is_an_address(self):
+        self.open_telemetry("--live", f"localhost:{LIVE_PORT}", "--packets-tcp", f"localhost:{TCP_PORT}")
+        for port in (LIVE_PORT, TCP_PORT):
+            connect(port).close()
+
     # A program that is stopped over DDS, whose writer keeps 192 messages: it must say what it missed, and how much.
     def test_states_that_never_came_are_counted_by_their_numbers(self):
         telemetry = self.open_telemetry("--packets-tcp", f"127.0.0.1:{TCP_PORT}", "--xtce", self.folder / "session.xml", transport="dds")
