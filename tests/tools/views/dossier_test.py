@@ -164,7 +164,7 @@ class DossierTest(ProcessTest):
             result = subprocess.run([UNLATCH, "dossier", "campaign.yaml", *options], cwd=folder, check=False, capture_output=True, env={**os.environ, "TZ": name, "LC_ALL": "C"})
             self.assertEqual(result.returncode, 1, result.stderr)  # as `run`: the scenario misses a requirement
             pages.append([(folder / "page.html").read_bytes(), (folder / "page.json").read_bytes()])
-        self.run_ok(UNLATCH, "dossier", campaign, "--results", results, "--statements", statements, "--out", self.folder / "p.html", "--json", self.folder / "p.json")
+        self.run_ok(UNLATCH, "dossier", campaign, "--results", results, "--statements", statements, "--out", self.folder / "p.html", "--json", self.folder / "p.json", code=1)
         pages.append([(self.folder / "p.html").read_bytes(), (self.folder / "p.json").read_bytes()])
         self.assertEqual(pages[0], pages[1])
         self.assertEqual(pages[0], pages[2], "of paths from elsewhere")
