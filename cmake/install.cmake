@@ -23,4 +23,8 @@ if(NOT UNLATCH_KERNEL_ONLY)
   install(FILES ${share}/completion/_unlatch DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT tools)
   install(FILES ${share}/completion/unlatch.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT tools)
   install(DIRECTORY hil/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/unlatch COMPONENT tools)
+  # What flight software copies: the participant, its wire, the stacks around it (bridge/stacks/README.md).
+  install(DIRECTORY bridge/participant bridge/stacks DESTINATION ${CMAKE_INSTALL_DATADIR}/unlatch/bridge COMPONENT library)
+  install(FILES bridge/schema/unlatch_wire.h bridge/schema/unlatch_frame.h bridge/schema/unlatch.idl
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/unlatch/bridge/schema COMPONENT library)
 endif()

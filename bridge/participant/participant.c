@@ -1,5 +1,5 @@
 /* The datagrams are those of bridge/UDP.md. UNLATCH_PARTICIPANT_WITHOUT_SOCKETS leaves out what needs an operating
- * system: unlatch_participant_open(), _poll() and _close(). */
+ * system: unlatch_participant_open(), _poll(), _close() and _clock_ms(). */
 #ifndef UNLATCH_PARTICIPANT_WITHOUT_SOCKETS
 #define _POSIX_C_SOURCE 200112L
 #include <arpa/inet.h>
@@ -48,7 +48,8 @@ static void hear_hello(unlatch_participant* p, const unlatch_wire_hello* hello) 
     p->introduction.status = UNLATCH_ACK_STATUS_READY;
   }
   p->hello = *hello;
-  expected = hello->channel_count + hello->sensor_count + hello->signal_count;
+  expected = hello->channel_count + hello->sensor_count + hello->signal_count +
+             (hello->body_count < UNLATCH_WIRE_BODIES_PER_PART ? hello->body_count : UNLATCH_WIRE_BODIES_PER_PART);
   if (p->item_count >= (expected < UNLATCH_PARTICIPANT_ITEMS ? expected : UNLATCH_PARTICIPANT_ITEMS)) introduce(p);
 }
 
@@ -56,7 +57,8 @@ static void hear_catalog(unlatch_participant* p, const unlatch_wire_catalog* ite
   int i;
   if (item->session != p->hello.session || p->item_count == UNLATCH_PARTICIPANT_ITEMS) return;
   if (item->kind != UNLATCH_CATALOG_KIND_CHANNEL && item->kind != UNLATCH_CATALOG_KIND_SENSOR &&
-      item->kind != UNLATCH_CATALOG_KIND_SIGNAL) {
+      item->kind != UNLATCH_CATALOG_KIND_SIGNAL &&
+      (item->kind != UNLATCH_CATALOG_KIND_BODY || item->index >= UNLATCH_WIRE_BODIES_PER_PART)) {
     return;
   }
   for (i = 0; i < p->item_count; ++i) {
@@ -183,7 +185,7 @@ void unlatch_participant_leave(unlatch_participant* p) {
 
 enum { kJoinInterval_ms = 100 };
 
-static int64_t get_ms(void) {
+int64_t unlatch_participant_clock_ms(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
@@ -196,7 +198,7 @@ static void send_to_socket(unlatch_participant* p, const uint8_t* datagram, size
 
 static void join(unlatch_participant* p) {
   unlatch_participant_join(p);
-  p->joined_ms = get_ms();
+  p->joined_ms = unlatch_participant_clock_ms();
 }
 
 int unlatch_participant_open(unlatch_participant* p, const char* name, const char* address, uint16_t port) {
@@ -206,6 +208,8 @@ int unlatch_participant_open(unlatch_participant* p, const char* name, const cha
   memset(&to, 0, sizeof to);
   to.sin_family = AF_INET;
   to.sin_port = htons(port);
+  p->send = NULL;
+  p->socket = -1;
   if (length == 0 || length >= UNLATCH_WIRE_NAME_LENGTH || inet_pton(AF_INET, address, &to.sin_addr) != 1) {
     errno = EINVAL;
     return -1;
@@ -217,6 +221,7 @@ int unlatch_participant_open(unlatch_participant* p, const char* name, const cha
   if (p->socket < 0) return -1;
   if (connect(p->socket, (const struct sockaddr*)&to, sizeof to) != 0) { /* what comes from elsewhere is kept away */
     close(p->socket);
+    p->socket = -1;
     return -1;
   }
   join(p);
@@ -225,10 +230,10 @@ int unlatch_participant_open(unlatch_participant* p, const char* name, const cha
 
 unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int wait_ms) {
   uint8_t datagram[UNLATCH_FRAME_LONGEST + 1];
-  const int64_t end_ms = get_ms() + wait_ms;
+  const int64_t end_ms = unlatch_participant_clock_ms() + wait_ms;
   for (;;) {
     struct pollfd waiting;
-    int64_t left_ms, now_ms = get_ms();
+    int64_t left_ms, now_ms = unlatch_participant_clock_ms();
     if (now_ms - p->joined_ms >= kJoinInterval_ms) join(p);
     left_ms = end_ms - now_ms;
     if (left_ms < 0) left_ms = 0;
@@ -242,11 +247,12 @@ unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int w
         if (event != UNLATCH_PARTICIPANT_NOTHING) return event;
       }
     }
-    if (get_ms() >= end_ms) return UNLATCH_PARTICIPANT_NOTHING;
+    if (unlatch_participant_clock_ms() >= end_ms) return UNLATCH_PARTICIPANT_NOTHING;
   }
 }
 
 void unlatch_participant_close(unlatch_participant* p) {
+  if (p->send == NULL || p->socket < 0) return;
   unlatch_participant_leave(p);
   close(p->socket);
   p->socket = -1;

@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-enum { UNLATCH_PARTICIPANT_ITEMS = 1024 };   /* channels, sensor values and signals that are kept, at most */
+enum { UNLATCH_PARTICIPANT_ITEMS = 1024 };   /* channels, sensor values, signals, and bodies of p->state; at most */
 enum { UNLATCH_PARTICIPANT_COMMANDS = 256 }; /* of one tick, at most */
 
 typedef enum unlatch_participant_event {
@@ -77,15 +77,18 @@ unlatch_participant_event unlatch_participant_hear(unlatch_participant* p, const
 /* Says that it leaves. */
 void unlatch_participant_leave(unlatch_participant* p);
 
-/* Number of a channel, a sensor's value or a signal (UNLATCH_CATALOG_KIND_…) in this session; −1: there is none. */
+/* Number of a channel, a sensor's value, a signal or a body of p->state (UNLATCH_CATALOG_KIND_…) in this session; −1:
+ * there is none. */
 int unlatch_participant_find(const unlatch_participant* p, int kind, const char* name);
 /* A command for the tick of p->state, sent with the answer. 0; −1: too many, or no such channel. One for channel −1,
  * which a misspelt name gives, is sent all the same: the simulator refuses it, and the session fails. */
 int unlatch_participant_command(unlatch_participant* p, int channel, double value);
 /* Answers p->state: its commands, then StepAck. */
 void unlatch_participant_answer(unlatch_participant* p);
-/* Says that it leaves, and closes the socket. */
+/* Says that it leaves, and closes the socket. After an open that failed it does nothing. */
 void unlatch_participant_close(unlatch_participant* p);
+/* Wall time from any beginning, never set back, for limits of waiting. */
+int64_t unlatch_participant_clock_ms(void);
 
 #ifdef __cplusplus
 }

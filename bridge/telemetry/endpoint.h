@@ -21,6 +21,7 @@ inline Endpoint parse_endpoint(const std::string& text) {
   boost::system::error_code error;
   std::string host = text.substr(0, colon);
   if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  if (host == "localhost") host = "127.0.0.1";
   endpoint.address = boost::asio::ip::make_address(host, error);
   const char* const end = text.data() + text.size();
   if (colon != std::string::npos) {

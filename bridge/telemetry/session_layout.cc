@@ -56,6 +56,7 @@ void SessionLayout::expect() {
   const std::int32_t counts[] = {hello_.body_count,   hello_.joint_count,  hello_.channel_count,
                                  hello_.sensor_count, hello_.signal_count, hello_.participant_count};
   missing_ = 0;
+  modes_.clear();
   for (std::size_t i = 0; i < items_.size(); ++i) {
     items_[i].assign(static_cast<std::size_t>(counts[i]), {});
     missing_ += items_[i].size();

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hil/session/messages/messages.h"
@@ -18,6 +20,14 @@ struct LayoutItem {
 
 class SessionLayout {
  public:
+  // The names of a joint's modes, which no message has: from the scenario. A layout without them is complete.
+  void set_modes(std::size_t joint, std::vector<std::string> names) { modes_[joint] = std::move(names); }
+  [[nodiscard]] const std::vector<std::string>& get_modes(std::size_t joint) const {
+    static const std::vector<std::string> kUnknown;
+    const auto at = modes_.find(joint);
+    return at == modes_.end() ? kUnknown : at->second;
+  }
+
   // Takes a Hello or a Catalog. True if another session has begun with it: the layout begins anew.
   bool hear(const hil::Message& message);
 
@@ -38,8 +48,9 @@ class SessionLayout {
   void expect();
 
   hil::HelloMessage hello_;
-  std::array<std::vector<LayoutItem>, 6> items_;  // by CatalogKind
-  std::size_t missing_ = 0;                       // entries that no Catalog has named yet
+  std::array<std::vector<LayoutItem>, 6> items_;           // by CatalogKind
+  std::map<std::size_t, std::vector<std::string>> modes_;  // by joint
+  std::size_t missing_ = 0;                                // entries that no Catalog has named yet
 };
 
 }  // namespace unlatch::bridge

@@ -23,6 +23,8 @@ struct TelemetryOptions {
 struct TelemetryReport {
   std::int64_t heard = 0, thinned = 0;  // messages; States that `rate` left out
   std::int64_t early = 0;               // messages before the layout was complete
+  std::int64_t lost = 0;                // messages of the session that never came, by their numbers
+  std::int64_t states_lost = 0;         // of these State messages
   OutletCounts packets, live;
 };
 

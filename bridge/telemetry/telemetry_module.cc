@@ -1,10 +1,12 @@
 // Module unlatch-telemetry: the sockets of telemetry, and the WebSocket.
 #include <boost/asio/io_context.hpp>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "bridge/telemetry/live_server.h"
 #include "bridge/telemetry/packet_outlet.h"
+#include "bridge/telemetry/sequence_gaps.h"
 #include "bridge/telemetry/space_packets.h"
 #include "bridge/telemetry/telemetry.h"
 
@@ -12,6 +14,43 @@ namespace unlatch::bridge {
 namespace {
 
 constexpr int kMostAtOnce = 256;  // operations of sockets, before the next message is heard
+
+// What of a session was lost before it came here: of each kind that the simulator numbers, and of each part.
+class Losses {
+ public:
+  void hear(const hil::Message& message, const SessionLayout& layout) {
+    if (message.hello.session != layout.get_session()) return;  // the first field of all
+    switch (message.kind) {
+      case hil::MessageKind::kState:
+        if (message.state.part < layout.count_state_parts()) states_[message.state.part].hear(message.state.sequence);
+        break;
+      case hil::MessageKind::kReactions:
+        if (message.reactions.part < layout.count_reaction_parts())
+          reactions_[message.reactions.part].hear(message.reactions.sequence);
+        break;
+      case hil::MessageKind::kEvent:
+        events_.hear(message.event.sequence);
+        break;
+      case hil::MessageKind::kHealth:
+        health_.hear(message.health.sequence);
+        break;
+      default:
+        break;
+    }
+  }
+  void add_to(TelemetryReport& report) const {
+    for (const auto& [part, gaps] : states_) {
+      report.states_lost += gaps.get_lost();
+      report.lost += gaps.get_lost();
+    }
+    for (const auto& [part, gaps] : reactions_) report.lost += gaps.get_lost();
+    report.lost += events_.get_lost() + health_.get_lost();
+  }
+
+ private:
+  std::map<std::int32_t, SequenceGaps> states_, reactions_;  // by part
+  SequenceGaps events_, health_;
+};
 
 class SocketTelemetry final : public Telemetry {
  public:
@@ -25,11 +64,14 @@ class SocketTelemetry final : public Telemetry {
     if (layout_.hear(message)) {
       announced_ = false;
       tick_ = -1;
+      losses_.add_to(report_);
+      losses_ = {};
     }
     if (!layout_.is_complete()) {
       ++report_.early;
       return;
     }
+    losses_.hear(message, layout_);
     if (!std::exchange(announced_, true)) {
       if (on_layout) on_layout(layout_);
       if (live_) live_->begin(layout_);
@@ -51,6 +93,7 @@ class SocketTelemetry final : public Telemetry {
 
   [[nodiscard]] TelemetryReport get_report() const override {
     TelemetryReport report = report_;
+    losses_.add_to(report);
     if (outlet_) report.packets = outlet_->get_counts();
     if (live_) report.live = live_->get_counts();
     return report;
@@ -71,7 +114,8 @@ class SocketTelemetry final : public Telemetry {
   Time last_{};  // of the latest tick sent
   std::int64_t tick_ = -1;
   bool announced_ = false;
-  TelemetryReport report_;
+  TelemetryReport report_;  // with the losses of sessions before this one
+  Losses losses_;
   SessionLayout layout_;
   SpacePacketWriter writer_;
   SpacePacket packet_;

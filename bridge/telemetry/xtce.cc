@@ -59,6 +59,14 @@ class Writer {
     if (!names_of_types_.insert(name).second) return;
     types_ += "      <" + element + attribute("name", name) + attributes + ">" + inside + "</" + element + ">\n";
   }
+  // The unit of a field as the schema has it; none where it says in words whose it is: "the channel's unit".
+  static std::string get_unit(const MessageField& field) {
+    return field.unit.starts_with("the ") ? "" : std::string(field.unit);
+  }
+  static std::string describe(const MessageField& field) {
+    return std::string(field.comment) +
+           (!field.unit.starts_with("the ") ? "" : (field.comment.empty() ? "in " : ", in ") + std::string(field.unit));
+  }
   static std::string write_unit(std::string_view unit) {
     return unit.empty() || unit == "1" ? "<UnitSet/>" : "<UnitSet><Unit>" + escape(unit) + "</Unit></UnitSet>";
   }
@@ -111,6 +119,19 @@ class Writer {
     return std::string(of);
   }
 
+  // A number, or an enumeration of the joint's modes where their names are known.
+  std::string add_modes(std::size_t joint) {
+    const std::vector<std::string>& modes = layout_.get_modes(joint);
+    if (modes.empty()) return add_unsigned(8);
+    std::string list;
+    for (std::size_t i = 0; i < modes.size(); ++i)
+      list += "<Enumeration" + attribute("value", std::to_string(i)) + attribute("label", modes[i]) + "/>";
+    const std::string name = "modes_of_joint" + std::to_string(joint);
+    add_type(name, "EnumeratedParameterType", "",
+             "<UnitSet/>" + write_integer(8, false) + "<EnumerationList>" + list + "</EnumerationList>");
+    return name;
+  }
+
   // Adds a parameter to a container; `alias`: the name in unlatch, which may have dots.
   void add(std::string& container, const std::string& type, const std::string& alias, std::string_view comment) {
     std::string name = to_name(alias);
@@ -158,7 +179,7 @@ class Writer {
                   std::string(hil::get_text(static_cast<hil::Reject>(i))),  // the one such array: Health.rejected
               field.comment);
       else
-        add(entries, add_type_of(field, std::string(field.unit)), name + "." + std::string(field.name), field.comment);
+        add(entries, add_type_of(field, get_unit(field)), name + "." + std::string(field.name), describe(field));
     }
     containers_ += "      <SequenceContainer" + attribute("name", name) + ">\n        <EntryList>\n" + entries +
                    "        </EntryList>\n        <BaseContainer containerRef=\"SpacePacket\"><RestrictionCriteria>"
@@ -182,7 +203,7 @@ class Writer {
         for (const MessageField& own : field.parts)
           add(entries, add_type_of(own, std::string(own.unit)), body + "." + std::string(own.name), own.comment);
       } else if (field.type == FieldType::kOctet) {
-        add(entries, add_type_of(with_count(field, 1), ""), layout_.list(CatalogKind::kJoint)[first + i].name + ".mode",
+        add(entries, add_modes(first + i), layout_.list(CatalogKind::kJoint)[first + i].name + ".mode",
             "index into the joint's list of modes");
       } else {
         const LayoutItem& sensor = layout_.list(CatalogKind::kSensor)[first + i];

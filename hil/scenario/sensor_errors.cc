@@ -36,6 +36,32 @@ std::int64_t count_samples(std::int64_t tick, std::int64_t every) { return (tick
 
 bool is_attitude(std::size_t width) { return width == 4; }
 
+// The turn by a rotation vector, rad: (cos(a/2), sin(a/2) r/a), a = |r|.
+Quat calc_turn(const Vec3& r) noexcept {
+  const double half = 0.5 * std::sqrt(dot(r, r));
+  double sine, cosine;
+  elementary::sincos(half, sine, cosine);
+  // sin(h)/h = 1 − h²/6 + …: below this half angle the rest, h⁴/120, is less than half a unit of the last place.
+  constexpr double kSmall = 1e-4;
+  const double ratio = half < kSmall ? 1 - half * half / 6 : sine / half;
+  return Quat{cosine, 0.5 * ratio * r.x, 0.5 * ratio * r.y, 0.5 * ratio * r.z};
+}
+
+// What a converter makes of y: the nearest of its codes, which are the multiples of `quantum` within ±range.
+double convert(double y, double quantum, double range) noexcept {
+  constexpr double kWhole = 0x1p52;      // codes beyond this cannot be told apart
+  constexpr double kSameNumber = 1e-12;  // relative: range and quantum are decimal numbers, rounded
+  if (quantum > 0 && std::abs(y / quantum) < kWhole) {
+    double code = std::floor(y / quantum + 0.5);
+    if (range > 0) {
+      const double most = std::floor(range / quantum * (1 + kSameNumber));
+      code = std::clamp(code, -most, most);
+    }
+    return code * quantum;
+  }
+  return range > 0 ? std::clamp(y, -range, range) : y;
+}
+
 }  // namespace
 
 std::uint64_t calc_name_hash(std::string_view name) noexcept {
@@ -122,9 +148,8 @@ void Measurement::measure(const Own& own, std::int64_t sample, std::span<double>
     if (own.noise > 0) sum[i] += own.noise * draw(kNoise, sample);
   }
   if (is_attitude(own.width)) {
-    // q ⊗ (1, e/2), normalised: the turn by e but for its third order
     const Quat q{values[0], values[1], values[2], values[3]};
-    const Quat turned = normalized(q * Quat{1, 0.5 * sum[0], 0.5 * sum[1], 0.5 * sum[2]});
+    const Quat turned = normalized(q * calc_turn({sum[0], sum[1], sum[2]}));
     values[0] = turned.w;
     values[1] = turned.x;
     values[2] = turned.y;
@@ -139,12 +164,8 @@ void Measurement::measure(const Own& own, std::int64_t sample, std::span<double>
     values[1] = seen.y;
     values[2] = seen.z;
   }
-  for (std::size_t i = 0; i < own.width; ++i) {
-    double y = (1 + errors.scale) * values[i] + sum[i];
-    if (errors.range > 0) y = std::clamp(y, -errors.range, errors.range);
-    if (errors.quantum > 0) y = std::floor(y / errors.quantum + 0.5) * errors.quantum;
-    values[i] = y;
-  }
+  for (std::size_t i = 0; i < own.width; ++i)
+    values[i] = convert((1 + errors.scale) * values[i] + sum[i], errors.quantum, errors.range);
 }
 
 // A ring of the latest samples; before the first has come through, the first.

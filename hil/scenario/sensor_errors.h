@@ -8,7 +8,7 @@
 //   y = (1 + scale) (x − m × x) + bias + turn_on N + walk + drift + noise N    N: a new standard normal number
 //   walk grows by walk √T N;   drift' = φ drift + σ √(1 − φ²) N,  φ = exp(−T / time)
 //
-// m: misalignment, of sensors with three values. Then y is limited to ±range, rounded to a multiple of `quantum`,
+// m: misalignment, of sensors with three values. Then y is rounded to the nearest multiple of `quantum` within ±range,
 // `delay` samples late, and held with the probability `dropout`. An attitude is turned by the sum of the errors, as a
 // rotation vector in body axes, rad.
 #pragma once

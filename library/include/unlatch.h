@@ -193,7 +193,9 @@ enum {
   UNLATCH_JOINT_MODES = 5,      /* joints × 1, int64: number of the present mode */
   UNLATCH_REACTIONS = 6,        /* joint number `index`: 1 × 6, rows x y z rot_x rot_y rot_z, on the follower; N, N m; 0
                                    for inactive rows */
-  UNLATCH_SENSORS = 7,          /* values × 1, in the units of the sensors; as last sampled */
+  UNLATCH_SENSORS = 7,          /* values × 1, in the units of the sensors: as last sampled, with
+                                   the sensors' errors (`errors` of the scenario), held between samples; without errors
+                                   the true values, which the columns `sensor.NAME` of exports always have */
   UNLATCH_SIGNALS = 8,          /* signals × 1 */
   UNLATCH_CHANNELS = 9,         /* channels × 1: the commanded values */
   UNLATCH_CLEARANCES = 10,      /* pairs × 1, m, negative: the depth of an overlap; needs UNLATCH_JUDGE */

@@ -107,6 +107,18 @@ class ClientsTest(ProcessTest):
             self.assertIn("the session ended at tick 500", self.finish(host), stack)
             self.assertEqual(report["hash"], wanted, stack)
 
+    def test_a_cfs_application_that_cannot_start_closes_no_descriptor_of_others(self):
+        with open("/dev/null") as empty:
+            self.finish(self.begin(BIN / "stack_cfs", "fail", stdin=empty))
+
+    def test_a_tick_of_the_cfs_application_ends_in_time_though_packets_of_earlier_ticks_come(self):
+        host = self.begin(BIN / "stack_cfs", "stale")
+        report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep", *PATIENT)
+        said = self.finish(host, code=1)  # its error is reported
+        self.assertEqual(said.count("tick 5: no last command within 1000 ms"), 1)
+        self.assertIn("the session ended at tick 500", said)
+        self.assertEqual(report["hash"], self.fly("udp", [BIN / "example_pilot_udp"])["hash"])
+
     def test_the_ros_node_on_fast_dds_is_flown_by_a_controller_on_cyclone_dds(self):
         """Two middlewares of ROS 2 with the names, types and qualities of service that ROS gives them; each has its own encoder."""
         if not (BIN / "stack_ros2_wire").exists():

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "bridge/telemetry/send_queue.h"
+#include "bridge/telemetry/sequence_gaps.h"
 #include "bridge/telemetry/session_layout.h"
 #include "bridge/telemetry/space_packets.h"
 #include "bridge/telemetry/xtce.h"
@@ -179,6 +180,29 @@ TEST(SendQueue, HoldsWhatItMayAndCountsWhatItDrops) {
   EXPECT_TRUE(queue.push({block}));
   for (int i = 0; i < 4; ++i) queue.pop();
   EXPECT_TRUE(queue.is_empty());
+}
+
+std::int64_t count_lost(std::initializer_list<std::int64_t> numbers) {
+  bridge::SequenceGaps gaps;
+  for (const std::int64_t number : numbers) gaps.hear(number);
+  return gaps.get_lost();
+}
+
+TEST(SequenceGaps, NumbersThatNeverComeAreLost) {
+  EXPECT_EQ(count_lost({}), 0);
+  EXPECT_EQ(count_lost({7, 8, 9}), 0);    // what came before the first one heard is no loss
+  EXPECT_EQ(count_lost({7, 10, 12}), 3);  // 8, 9, 11
+  EXPECT_EQ(count_lost({7, 1345, 1346}), 1337);
+}
+
+TEST(SequenceGaps, NumbersThatComeLateOrTwiceAreNone) {
+  EXPECT_EQ(count_lost({7, 9, 8, 10}), 0);
+  EXPECT_EQ(count_lost({7, 7, 8, 8, 9, 8}), 0);
+  EXPECT_EQ(count_lost({7, 10, 9, 9}), 1);  // 8
+  EXPECT_EQ(count_lost({7, 8, 6, 3}), 0);   // before the first
+  EXPECT_EQ(count_lost({0, 200, 199, 199, 198}), 197);
+  EXPECT_EQ(count_lost({0, 200, 100}), 199);  // later than anybody waits: it stays lost
+  EXPECT_EQ(count_lost({5, -1, 6}), 0);       // a message without a number
 }
 
 }  // namespace

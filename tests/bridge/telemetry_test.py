@@ -8,6 +8,7 @@ import csv
 import http.server
 import json
 import os
+import signal
 import socket
 import struct
 import sys
@@ -46,8 +47,8 @@ def read_all(connection, to):
 
 
 class TelemetryTest(ProcessTest):
-    def open_telemetry(self, *options, **kinds):
-        process = self.begin(UNLATCH, "telemetry", "--transport", "udp", "--rate", 0, "--until-end", "--json", self.folder / "telemetry.json", *options, **kinds)
+    def open_telemetry(self, *options, transport="udp", **kinds):
+        process = self.begin(UNLATCH, "telemetry", "--transport", transport, "--rate", 0, "--until-end", "--json", self.folder / "telemetry.json", *options, **kinds)
         self.wait_for(process, "waits for a session")
         return process
 
@@ -156,6 +157,77 @@ class TelemetryTest(ProcessTest):
             self.close(telemetry)
             texts.append((self.folder / name).read_bytes())
         self.assertEqual(*texts)
+
+    def test_the_description_of_check_is_that_of_the_session_with_names_of_modes(self):
+        telemetry = self.open_telemetry("--xtce", self.folder / "session.xml")
+        self.fly(until=0.2)
+        self.close(telemetry)
+        self.run_ok(UNLATCH, "check", SCENARIO, "--xtce", self.folder / "check.xml")
+        session, check = (Xtce((self.folder / name).read_text()) for name in ("session.xml", "check.xml"))
+        self.assertEqual(list(session.parameters), list(check.parameters))
+        other = {name for name in session.parameters if session.parameters[name] != check.parameters[name]}
+        self.assertEqual({check.aliases[name] for name in other}, {"clamp.mode"})
+        kind = check.types[check.parameters[other.pop()]]
+        labels = {one.get("label"): one.get("value") for one in kind.iter() if one.get("label") is not None}
+        modes = {joint["name"]: list(joint["modes"]) for joint in self.run_json(UNLATCH, "check", SCENARIO)["joints"]}["clamp"]
+        self.assertEqual(labels, {name: str(i) for i, name in enumerate(modes)})
+        self.assertEqual({check.get_unit(name) for name, alias in check.aliases.items() if alias == "Command.value"}, {""})
+
+    def test_addresses_rates_and_folders_that_cannot_be_are_refused_before_the_session(self):
+        for option, value, reason in (("--live", "127.0.0.1", "write it like 127.0.0.1:10015"), ("--live", ":99999", "ports are 1 to 65535"), ("--packets", "127.0.0.1:0", "1 to 65535"),
+                                      ("--packets-tcp", "nowhere:10015", "localhost:10015"), ("--rate", "nan", "no number from 0 on"), ("--rate", "-1", "no number from 0 on"), ("--rate", "1e999", "from 0 on")):
+            arguments = [option, value] + (["--packets", "127.0.0.1:10015"] if option == "--rate" else [])
+            result = self.run_ok(UNLATCH, "telemetry", "--transport", "udp", *arguments, code=2)
+            self.assertIn(option, result.stderr)
+            self.assertIn(reason, result.stderr)
+            self.assertLess(max(map(len, result.stderr.split())), 60, result.stderr)
+        result = self.run_ok(UNLATCH, "telemetry", "--transport", "udp", "--xtce", self.folder / "none/session.xml", "--for", 1, code=None)
+        self.assertIn("none/session.xml", result.stderr)
+        self.assertNotIn("waits for a session", result.stderr)
+        self.assertNotEqual(result.returncode, 0)
+
+    def test_localhost_is_an_address(self):
+        self.open_telemetry("--live", f"localhost:{LIVE_PORT}", "--packets-tcp", f"localhost:{TCP_PORT}")
+        for port in (LIVE_PORT, TCP_PORT):
+            connect(port).close()
+
+    # A program that is stopped over DDS, whose writer keeps 192 messages: it must say what it missed, and how much.
+    def test_states_that_never_came_are_counted_by_their_numbers(self):
+        telemetry = self.open_telemetry("--packets-tcp", f"127.0.0.1:{TCP_PORT}", "--xtce", self.folder / "session.xml", transport="dds")
+        stream, client = bytearray(), connect(TCP_PORT)
+        self.addCleanup(client.close)
+        reader = threading.Thread(target=read_all, args=(client, stream))
+        reader.start()
+        flight = self.begin(UNLATCH, "hil", SCENARIO, "--transport", "dds", *FLIGHT, "--set", "timing.states.every=1", "--until", 6)
+        while len(stream) < 100_000:
+            time.sleep(0.01)
+        telemetry.send_signal(signal.SIGSTOP)
+        time.sleep(2)
+        telemetry.send_signal(signal.SIGCONT)
+        self.finish(flight, code=None)
+        report = self.close(telemetry)
+        reader.join(HANG)
+        xtce = Xtce((self.folder / "session.xml").read_text())
+        decoded = [values for name, values in map(xtce.decode, split(bytes(stream))) if name == "State"]
+        numbers, counts = [values["State.sequence"] for values in decoded], [values["ccsds_sequence_count"] for values in decoded]
+        missing = numbers[-1] - numbers[0] + 1 - len(set(numbers))  # a State that is resent keeps its number
+        self.assertGreater(missing, 100)
+        self.assertEqual(report["states_lost"], missing)
+        self.assertGreaterEqual(report["lost"], missing)
+        self.assertIn("never came here", telemetry.said.read_text())
+        self.assertEqual([(b - a) % 2**14 for a, b in zip(counts, counts[1:])], [1] * (len(counts) - 1))  # they were lost before
+
+    # States that the scenario leaves out have no number.
+    def test_states_that_the_scenario_leaves_out_are_not_lost(self):
+        end = self.listen()
+        telemetry = self.open_telemetry("--packets", f"127.0.0.1:{UDP_PORT}", "--xtce", self.folder / "session.xml")
+        self.fly(until=1)
+        report = self.close(telemetry)
+        xtce = Xtce((self.folder / "session.xml").read_text())
+        states = [values for name, values in map(xtce.decode, end()) if name == "State"]
+        numbers = [values["State.sequence"] for values in states]
+        self.assertGreaterEqual(states[-1]["State.tick"], 9 * len(states) - 100)  # every tenth
+        self.assertEqual(report["states_lost"], numbers[-1] - numbers[0] + 1 - len(set(numbers)))
 
     # Clients that send nonsense, half a request, or nothing; more than are served; one that stops reading.
     def test_hostile_and_stopped_clients_hinder_nobody(self):

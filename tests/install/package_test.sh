@@ -85,6 +85,20 @@ END
   cmake --build consumer
   ./consumer/consumer
 
+  echo "== sources for other people's stacks, copied from the package, with the tests' stand-ins of their interfaces"
+  local bridge=/usr/share/unlatch/bridge copied stack
+  for stack in cfs fprime ros2; do
+    copied=/tmp/own/$stack
+    mkdir "$copied"
+    cp $bridge/participant/participant.[ch] $bridge/schema/unlatch_wire.h $bridge/schema/unlatch_frame.h "$copied"
+    find $bridge/stacks/$stack -type f -exec cp {} "$copied" \;
+    cc -std=c99 -Wall -Wextra -Werror -c "$copied/participant.c" -o "$copied/participant.o"
+  done
+  cc -std=c99 -Wall -Wextra -Werror -I/packages/stacks/cfs -c cfs/unlatch_io.c -o cfs/unlatch_io.o
+  c++ -std=c++17 -Wall -Wextra -Werror -I/packages/stacks/fprime -c fprime/UnlatchSim.cpp -o fprime/UnlatchSim.o
+  c++ -std=c++17 -Wall -Wextra -Werror -I/packages/stacks/ros2 -c ros2/unlatch_node.cpp -o ros2/unlatch_node.o
+  [ -s ros2/package.xml ] && [ -s $bridge/schema/unlatch.idl ] && [ -s $bridge/stacks/unlatch_sfun.c ] || fail "sources of stacks are missing"
+
   echo "== the service"
   local unit=/lib/systemd/system/unlatch-bench@.service
   if command -v systemd-analyze >/dev/null; then
@@ -185,6 +199,7 @@ grep -q 'unlatch replay' tour.sh
 mkdir consumer
 cp "$source/tests/install/CMakeLists.txt" "$source/tests/install/consumer.cc" consumer
 cp "$source/tests/install/package_test.sh" .
+cp -r "$source/tests/bridge/stacks" .
 
 enter="$layer
   ip link set lo up

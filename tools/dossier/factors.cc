@@ -33,8 +33,12 @@ Statement read_statement(const hil::YamlNode& node, const std::string& key, hil:
   hil::YamlMap map(node, key, mistakes);
   if (const hil::YamlNode* const text = map.require("text")) statement.text = hil::read_text(*text, mistakes);
   if (const hil::YamlNode* const level = map.find("level")) {
-    const int read = hil::read_choice(*level, "level", {"0", "1", "2", "3", "4"}, mistakes);
-    if (read >= 0) statement.level = read;
+    const bool is_level =
+        level->is_scalar() && level->text.size() == 1 && level->text[0] >= '0' && level->text[0] <= '4';
+    if (is_level)
+      statement.level = level->text[0] - '0';
+    else
+      mistakes.add(level->mark, "'" + level->text + "' is no level", "a whole number from 0 to 4");
   }
   map.finish();
   return statement;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "hil/scenario/text/expression.h"
@@ -78,6 +79,15 @@ std::string read_seconds(std::string& text, bool zero_too) {
   } catch (const hil::ExpressionError&) {
     return mistake;
   }
+}
+
+// "" or the mistake in a number that is to be positive, or at least 0.
+std::string check_number(const std::string& text, bool zero_too) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, value);
+  const bool fits = fault == std::errc{} && stop == end && std::isfinite(value) && (zero_too ? value >= 0 : value > 0);
+  return fits ? "" : "'" + text + "' is no number " + (zero_too ? "from 0 on" : "above 0");
 }
 
 std::vector<std::string> list_option_names(CLI::App& app) {
@@ -241,12 +251,12 @@ OptionHandle OptionHandle::within(double least, double most) {
 }
 
 OptionHandle OptionHandle::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(CLI::Validator([](std::string& text) { return check_number(text, false); }, ""));
   return *this;
 }
 
 OptionHandle OptionHandle::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
+  option_->check(CLI::Validator([](std::string& text) { return check_number(text, true); }, ""));
   return *this;
 }
 

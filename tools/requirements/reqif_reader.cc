@@ -173,6 +173,11 @@ std::vector<ListedRequirement> read_reqif(const std::string& text, const Attribu
   if (!read) throw RequirementError(line + XML_ErrorString(XML_GetErrorCode(parser.get())));
   if (!reader.is_reqif) throw RequirementError("its root is not REQ-IF");
 
+  for (const Object& object : reader.objects)
+    for (const auto& [definition, value] : object.values)
+      if (!reader.attribute_names.contains(definition))
+        throw RequirementError("object '" + (object.name.empty() ? object.id : object.name) +
+                               "' has a value of the attribute '" + definition + "', which the file does not define");
   std::map<std::string, std::string> ids;  // of requirements, by those of objects
   for (const Object& object : reader.objects) ids[object.id] = get_id(object, reader, names);
   std::map<std::string, std::string> parents;  // by the identifiers of objects

@@ -63,7 +63,22 @@ class Writer {
   std::string identify(const std::string& id) const {
     return " IDENTIFIER=\"" + id + "\" LAST-CHANGE=\"" + time_ + "\"";
   }
-  static std::string number(const char* kind, std::size_t i) { return kind + std::to_string(i + 1); }
+  // An identifier that follows from that of the requirement alone, so that it stays when others come before it. It is
+  // an xsd:ID: what such a name cannot have, and the point itself, becomes a point and the byte's hexadecimal digits.
+  std::string name(const char* kind, std::size_t i) const {
+    static constexpr char kDigits[] = "0123456789abcdef";
+    std::string id = kind;
+    for (const char c : list_[i].id) {
+      const bool plain =
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+      const auto byte = static_cast<unsigned char>(c);
+      if (plain)
+        id += c;
+      else
+        id.append({'.', kDigits[byte >> 4], kDigits[byte & 15]});
+    }
+    return id;
+  }
 
   void write_types() {
     line(3, "<DATATYPES>");
@@ -88,7 +103,7 @@ class Writer {
   }
 
   void write_object(std::size_t i) {
-    line(4, "<SPEC-OBJECT" + identify(number("requirement-", i)) + " LONG-NAME=\"" + escape_xml(list_[i].id) + "\">");
+    line(4, "<SPEC-OBJECT" + identify(name("requirement-", i)) + " LONG-NAME=\"" + escape_xml(list_[i].id) + "\">");
     line(5, "<TYPE>");
     line(6, "<SPEC-OBJECT-TYPE-REF>type-requirement</SPEC-OBJECT-TYPE-REF>");
     line(5, "</TYPE>");
@@ -140,9 +155,9 @@ class Writer {
       if (find_parent(i) != parent) continue;
       if (!any) line(depth, "<CHILDREN>");
       any = true;
-      line(depth + 1, "<SPEC-HIERARCHY" + identify(number("place-", i)) + ">");
+      line(depth + 1, "<SPEC-HIERARCHY" + identify(name("place-", i)) + ">");
       line(depth + 2, "<OBJECT>");
-      line(depth + 3, "<SPEC-OBJECT-REF>" + number("requirement-", i) + "</SPEC-OBJECT-REF>");
+      line(depth + 3, "<SPEC-OBJECT-REF>" + name("requirement-", i) + "</SPEC-OBJECT-REF>");
       line(depth + 2, "</OBJECT>");
       write_children(i, depth + 2);
       line(depth + 1, "</SPEC-HIERARCHY>");

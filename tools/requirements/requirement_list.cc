@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string_view>
 
 #include "hil/scenario/language/record.h"
 #include "hil/scenario/text/suggestion.h"
@@ -84,7 +86,10 @@ ImportedPart write_part(const std::vector<ListedRequirement>& list, const hil::S
               ": texts of requirements of " + scenario.name + ". The scenario has `include:` with this file's name.\n" +
               "unlatch_part: 1\n";
   std::string sets, others;
+  std::set<std::string_view> seen;
   for (const ListedRequirement& one : list) {
+    if (!seen.insert(one.id).second)
+      throw RequirementError("requirement '" + one.id + "' stands there more than once; give each its own identifier");
     const bool known = std::ranges::any_of(scenario.requirements, [&](const auto& own) { return own.id == one.id; });
     if (!known) {
       part.missing.push_back(one.id);
@@ -94,8 +99,6 @@ ImportedPart write_part(const std::vector<ListedRequirement>& list, const hil::S
       if (!one.rationale.empty()) others += "#     rationale: " + quote(one.rationale) + "\n";
       continue;
     }
-    if (std::ranges::count(list, one.id, &ListedRequirement::id) > 1)
-      throw RequirementError("requirement '" + one.id + "' stands there more than once; give each its own identifier");
     ++part.set;
     const auto add = [&](const char* key, const std::string& value) {
       if (!value.empty()) sets += "  requirements." + one.id + "." + key + ": " + quote(value) + "\n";

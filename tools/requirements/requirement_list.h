@@ -55,7 +55,7 @@ extern const std::vector<std::string> kUsualIds, kUsualTexts, kUsualParents, kUs
 
 // A part for scenarios, `include: FILE`, that sets text, parent and rationale of the requirements that `scenario` has.
 // The others are in comments, to be added by hand with a quantity and a limit. Throws RequirementError if the list has
-// one of the scenario's twice.
+// one twice.
 struct ImportedPart {
   std::string text;
   std::size_t set = 0;               // requirements that it sets

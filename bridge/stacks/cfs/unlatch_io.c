@@ -9,6 +9,7 @@ static struct {
   UNLATCH_IO_State_t state;
   CFE_SB_PipeId_t pipe;
   uint32 status;
+  bool open;
 } UNLATCH_IO;
 
 static CFE_Status_t UNLATCH_IO_Init(void) {
@@ -24,6 +25,7 @@ static CFE_Status_t UNLATCH_IO_Init(void) {
                       UNLATCH_IO_ADDRESS, UNLATCH_IO_PORT);
     return CFE_STATUS_EXTERNAL_RESOURCE_FAIL;
   }
+  UNLATCH_IO.open = true;
   return CFE_SUCCESS;
 }
 
@@ -41,12 +43,15 @@ static void UNLATCH_IO_SendState(void) {
   CFE_SB_TransmitMsg(CFE_MSG_PTR(to->TelemetryHeader), true);
 }
 
-/* Takes the commands of this tick, until the last one of it. */
+/* Takes the commands of this tick, until the last one of it or the end of the time, whatever else comes. */
 static void UNLATCH_IO_TakeCommands(void) {
   CFE_SB_Buffer_t* buffer = NULL;
-  while (CFE_SB_ReceiveBuffer(&buffer, UNLATCH_IO.pipe, UNLATCH_IO_TIMEOUT_MS) == CFE_SUCCESS) {
+  const int64 end_ms = unlatch_participant_clock_ms() + UNLATCH_IO_TIMEOUT_MS;
+  int64 left_ms = UNLATCH_IO_TIMEOUT_MS;
+  for (; left_ms > 0; left_ms = end_ms - unlatch_participant_clock_ms()) {
     UNLATCH_IO_Command_t command; /* a packet on the bus need not be aligned for doubles */
     CFE_MSG_Size_t size = 0;
+    if (CFE_SB_ReceiveBuffer(&buffer, UNLATCH_IO.pipe, (int32)left_ms) != CFE_SUCCESS) continue;
     if (CFE_MSG_GetSize(&buffer->Msg, &size) != CFE_SUCCESS || size != sizeof command) continue;
     memcpy(&command, buffer, sizeof command);
     if (command.Tick != UNLATCH_IO.sim.state.tick) continue; /* of an earlier tick */
@@ -62,6 +67,8 @@ static void UNLATCH_IO_TakeCommands(void) {
   CFE_EVS_SendEvent(UNLATCH_IO_LATE_EID, CFE_EVS_EventType_ERROR, "tick %ld: no last command within %d ms",
                     (long)UNLATCH_IO.sim.state.tick, UNLATCH_IO_TIMEOUT_MS);
 }
+
+int64 UNLATCH_IO_GetTime_ns(void) { return UNLATCH_IO.sim.state.time_ns; }
 
 void UNLATCH_IO_AppMain(void) {
   UNLATCH_IO.status = CFE_ES_RunStatus_APP_RUN;
@@ -86,6 +93,7 @@ void UNLATCH_IO_AppMain(void) {
         break;
     }
   }
-  unlatch_participant_close(&UNLATCH_IO.sim);
+  if (UNLATCH_IO.open) unlatch_participant_close(&UNLATCH_IO.sim);
+  UNLATCH_IO.open = false;
   CFE_ES_ExitApp(UNLATCH_IO.status);
 }

@@ -1,5 +1,5 @@
-/* cFS application UNLATCH_IO: the simulator on the software bus. Copy this file, unlatch_io.c, participant.{h,c} and
- * unlatch_wire.h into apps/unlatch_io/fsw/src.
+/* cFS application UNLATCH_IO: the simulator on the software bus. Copy this file, unlatch_io.c, participant.{h,c},
+ * unlatch_wire.h and unlatch_frame.h into apps/unlatch_io/fsw/src.
  *
  * Each State leaves as one telemetry packet, UNLATCH_IO_STATE_MID. Control applications answer with command packets,
  * UNLATCH_IO_COMMAND_MID: any number of channels of a tick, and the tick is over with the packet whose `last` is 1. */
@@ -9,15 +9,20 @@
 #include "cfe.h"
 #include "unlatch_wire.h"
 
-/* Message identifiers, name, address: yours. */
-#define UNLATCH_IO_STATE_MID 0x0880
-#define UNLATCH_IO_COMMAND_MID 0x1880
+/* Message identifiers, name, address: yours. These identifiers are an example, which no application of the public cFS
+ * bundle has; the mission assigns its own. */
+#ifndef UNLATCH_IO_STATE_MID
+#define UNLATCH_IO_STATE_MID 0x08E8
+#endif
+#ifndef UNLATCH_IO_COMMAND_MID
+#define UNLATCH_IO_COMMAND_MID 0x18E8
+#endif
 #ifndef UNLATCH_IO_PARTICIPANT
 #define UNLATCH_IO_PARTICIPANT "fsw" /* as the scenario requires it: flight_software: {required: [fsw]} */
 #endif
 #define UNLATCH_IO_ADDRESS "127.0.0.1"
 #define UNLATCH_IO_PORT 7670
-#define UNLATCH_IO_TIMEOUT_MS 1000 /* for the command that ends a tick; then the State is answered without it */
+#define UNLATCH_IO_TIMEOUT_MS 1000 /* wall time until the command that ends a tick; then it is answered without it */
 
 /* Event identifiers. */
 #define UNLATCH_IO_OPEN_EID 1
@@ -45,5 +50,7 @@ typedef struct {
 } UNLATCH_IO_Command_t;
 
 void UNLATCH_IO_AppMain(void);
+/* Simulated time of the present State, ns: for cFE TIME. */
+int64 UNLATCH_IO_GetTime_ns(void);
 
 #endif

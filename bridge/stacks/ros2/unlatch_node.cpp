@@ -1,8 +1,8 @@
-// ROS 2 node: the simulator on ROS topics. Copy this file, participant.{h,c} and unlatch_wire.h into a package (README:
-// bridge/stacks/ros2.md has its CMakeLists.txt), and run it beside a session over plain UDP.
+// ROS 2 node: the simulator on ROS topics. Copy this file, participant.{h,c}, unlatch_wire.h and unlatch_frame.h into a
+// package (bridge/stacks/ros2.md has its CMakeLists.txt and package.xml), and run it beside a session over plain UDP.
 //
 //   publishes   /clock              rosgraph_msgs/Clock       simulated time
-//               /tf                 tf2_msgs/TFMessage        bodies in the inertial frame
+//               /tf                 tf2_msgs/TFMessage        bodies by their names, in the inertial frame
 //               ~/sensors           sensor_msgs/JointState    names and values (position) of the sensors
 //   hears       ~/command           sensor_msgs/JointState    channels and their values (position); stamp: that of the
 //   State
@@ -42,15 +42,17 @@ class UnlatchNode : public rclcpp::Node {
   }
 
   // One message of the simulator; false once the session is over.
-  bool spin(const std::shared_ptr<UnlatchNode>& self) {
+  bool spin(rclcpp::executors::SingleThreadedExecutor& executor) {
     if (!open_) return false;
     switch (unlatch_participant_poll(&sim_, 100)) {
       case UNLATCH_PARTICIPANT_STATE:
         publish();
         answered_ = false;
-        for (const auto until = std::chrono::steady_clock::now() + patience_;
-             !answered_ && rclcpp::ok() && std::chrono::steady_clock::now() < until;)
-          rclcpp::spin_some(self);
+        for (const auto until = std::chrono::steady_clock::now() + patience_; !answered_ && rclcpp::ok();) {
+          const auto left = until - std::chrono::steady_clock::now();
+          if (left <= std::chrono::nanoseconds(0)) break;
+          executor.spin_once(left);  // waits for the command without load
+        }
         if (!answered_)
           RCLCPP_ERROR(get_logger(), "tick %ld: no command came in time", static_cast<long>(sim_.state.tick));
         answered_ = true;  // what comes now is late
@@ -63,7 +65,7 @@ class UnlatchNode : public rclcpp::Node {
         RCLCPP_INFO(get_logger(), "the session ended at tick %ld", static_cast<long>(sim_.state.tick));
         return false;
       default:
-        rclcpp::spin_some(self);
+        executor.spin_some();
         return true;
     }
   }
@@ -79,7 +81,7 @@ class UnlatchNode : public rclcpp::Node {
     for (int i = 0; i < sim_.item_count; ++i)
       if (sim_.items[i].kind == kind && sim_.items[i].index == index)
         return reinterpret_cast<const char*>(sim_.items[i].name);
-    return "item" + std::to_string(index);
+    return (kind == UNLATCH_CATALOG_KIND_BODY ? "body" : "item") + std::to_string(index);  // it has not come yet
   }
 
   void publish() {
@@ -92,7 +94,7 @@ class UnlatchNode : public rclcpp::Node {
       auto& one = tf.transforms.emplace_back();
       one.header.stamp = clock.clock;
       one.header.frame_id = "inertial";
-      one.child_frame_id = "body" + std::to_string(i);
+      one.child_frame_id = get_name(UNLATCH_CATALOG_KIND_BODY, i);
       one.transform.translation.x = body.x;
       one.transform.translation.y = body.y;
       one.transform.translation.z = body.z;
@@ -133,7 +135,9 @@ class UnlatchNode : public rclcpp::Node {
 int main(int count, char** arguments) {
   rclcpp::init(count, arguments);
   const auto node = std::make_shared<UnlatchNode>();
-  while (rclcpp::ok() && node->spin(node)) {
+  rclcpp::executors::SingleThreadedExecutor executor;
+  executor.add_node(node);
+  while (rclcpp::ok() && node->spin(executor)) {
   }
   rclcpp::shutdown();
   return 0;

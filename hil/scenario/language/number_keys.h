@@ -68,6 +68,7 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"scenario.restitution.speed", "m/s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.exponential.tau", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.sensor_errors.drift_time", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
+    {"scenario.sensor_errors.scale", "", -1000000.0, 1000000.0, false, false},
     {"scenario.sensor_errors.dropout", "", 0.0, 1.0, false, false},
     {"scenario.sensor_errors.delay", "", 0.0, 1000.0, false, true},
     {"scenario.event.delay", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},

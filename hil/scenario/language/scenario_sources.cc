@@ -32,7 +32,7 @@ bool is_standard_input(const std::string& path) { return path == "-" || path == 
 // Reads a text file. A descriptor is read whatever its kind: standard input, or a shell's <(...). A named pipe or a
 // device might never end.
 std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most) {
-  const std::string mend = "name a readable " + kind + " file (.yaml)";
+  const std::string mend = "name a readable " + (kind.ends_with(')') ? kind : kind + " file (.yaml)");
   const auto fail = [&](const std::string& what, const std::string& right) -> std::string {
     throw ScenarioError({{path, {}, "", what, right}});
   };

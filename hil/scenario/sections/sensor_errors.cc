@@ -1,6 +1,7 @@
 // Errors of sensors, in the units of data sheets: deg/h, deg/√h, µg/√Hz.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "hil/scenario/language/bounded_number.h"
@@ -10,6 +11,17 @@
 
 namespace unlatch::hil {
 namespace {
+
+// The largest size of an error, in SI units: what is sent stays finite.
+constexpr double kMostSize = 1e30;
+constexpr double kMostMisalignment = std::numbers::pi;  // rad, about each axis
+
+// A number or a list with units of data sheets in those of the language.
+YamlNode translate(YamlNode node) {
+  node.text = replace_sheet_units(node.text);
+  for (YamlNode& item : node.items) item.text = replace_sheet_units(item.text);
+  return node;
+}
 
 // Twice the exponents of a unit, and `seconds` more of time.
 Dimension calc_squared(const std::string& unit, int seconds) {
@@ -39,11 +51,11 @@ double read_size(YamlMap& map, const char* key, const std::string& unit, int sec
         quantity->dimension.is_plain() || (!squared.empty() && calc_squared(unit, seconds).takes(quantity->dimension));
     value = squared.empty() ? quantity->value : std::sqrt(quantity->value);
   }
-  if (fits && value >= 0 && std::isfinite(value)) return value;
+  if (fits && value >= 0 && value <= kMostSize) return value;
   mistakes.add(node->mark, "'" + node->text + "' is no size of this error",
                "write a number in " + (unit.empty() ? "1" : unit) +
-                   (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")) +
-                   ", at least 0, or with units of data sheets: " + example);
+                   (seconds == 0 ? "" : (seconds > 0 ? "/√Hz" : "/√s")) + ", from 0 to " + write_short(kMostSize) +
+                   ", or with units of data sheets: " + example);
   return 0;
 }
 
@@ -71,15 +83,15 @@ void ScenarioReader::read_sensor_errors(const YamlNode& node, const Sensor& sens
   };
   if (!signal) {
     if (const YamlNode* const bias = map.find("bias")) {
-      YamlNode list = *bias;
+      const YamlNode list = translate(*bias);
       if (bias->is_scalar()) {
-        list.text = replace_sheet_units(bias->text);
         errors.bias.assign(static_cast<std::size_t>(attitude ? 3 : width), read_number(list, unit, 0, mistakes_));
       } else {
-        for (YamlNode& item : list.items) item.text = replace_sheet_units(item.text);
         errors.bias = read_numbers(list, static_cast<std::size_t>(attitude ? 3 : width), unit, mistakes_);
         errors.bias.resize(static_cast<std::size_t>(attitude ? 3 : width));
       }
+      if (std::ranges::any_of(errors.bias, [](double value) { return !(std::abs(value) <= kMostSize); }))
+        mistakes_.add(bias->mark, "'bias' is out of its range", "an absolute value up to " + write_short(kMostSize));
     }
     errors.turn_on = size("turn_on");
     errors.noise = size("noise");
@@ -89,10 +101,26 @@ void ScenarioReader::read_sensor_errors(const YamlNode& node, const Sensor& sens
     errors.drift_time = read_bounded(map, get_number_key("scenario.sensor_errors.drift_time"), 100.0, mistakes_);
   }
   if (!signal && !attitude) {
-    errors.scale = map.number("scale", "", 0.0);
-    if (width == 3) errors.misalignment = map.vector("misalignment", "rad", Eigen::Vector3d::Zero());
+    if (const YamlNode* const scale = map.find("scale")) {
+      const double read = read_number(translate(*scale), "", 0, mistakes_);
+      if (check_bounds(read, get_number_key("scenario.sensor_errors.scale"), scale->mark, mistakes_))
+        errors.scale = read;
+    }
+    if (width == 3) {
+      if (const YamlNode* const turn = map.find("misalignment")) {
+        const std::vector<double> read = read_numbers(translate(*turn), 3, "rad", mistakes_);
+        if (read.size() == 3) errors.misalignment = Eigen::Vector3d(read[0], read[1], read[2]);
+        if (!(errors.misalignment.cwiseAbs().maxCoeff() <= kMostMisalignment))
+          mistakes_.add(turn->mark, "'misalignment' is out of its range", "a turn of at most 180 deg about each axis");
+      }
+    }
     errors.quantum = size("quantum");
     errors.range = size("range");
+    if (errors.range > 0 && errors.quantum > errors.range)
+      mistakes_.add(map.find("quantum")->mark,
+                    "the quantum '" + map.find("quantum")->text + "' is greater than the range '" +
+                        map.find("range")->text + "': every value would be sent as 0",
+                    "give a quantum of at most the range");
   }
   errors.dropout = read_bounded(map, get_number_key("scenario.sensor_errors.dropout"), 0.0, mistakes_);
   if (const YamlNode* const delay = map.find("delay"))
@@ -121,11 +149,17 @@ void ScenarioReader::read_sensor_delays() {
     }
     double samples = timed && period > 0 ? quantity->value / period : quantity->value;
     if (timed && std::abs(samples - std::round(samples)) <= kSameTime) samples = std::round(samples);
+    const auto write = [&](double count) { return timed ? write_short(count * period) + " s" : write_short(count); };
+    if (timed && !(samples >= kDelay.least && samples <= kDelay.most)) {
+      mistakes_.add(delay.node.mark, "'" + delay.node.text + "' is a delay of " + write_short(samples) + " samples",
+                    "from 0 to " + write(kDelay.most) + ": at most " + write_short(kDelay.most) + " samples of " +
+                        write_short(period) + " s");
+      continue;
+    }
     if (samples == std::floor(samples) || !std::isfinite(samples)) {
       if (check_bounds(samples, kDelay, delay.node.mark, mistakes_)) errors.delay = static_cast<int>(samples);
       continue;
     }
-    const auto write = [&](double count) { return timed ? write_short(count * period) + " s" : write_short(count); };
     mistakes_.add(delay.node.mark,
                   "a delay of " + write_short(samples) + " samples: values are sampled, and delivered, every " +
                       write_short(period) + " s",

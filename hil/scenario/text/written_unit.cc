@@ -20,7 +20,13 @@ constexpr SheetUnit kSheetUnits[] = {{"µg", "(9.80665e-6 m/s2)"},
                                      {"ug", "(9.80665e-6 m/s2)"},
                                      {"mg", "(9.80665e-3 m/s2)"},
                                      {"Hz", "(1/s)"},
-                                     {"h", "(3600 s)"}};
+                                     {"h", "(3600 s)"},
+                                     {"hr", "(3600 s)"},
+                                     {"arcsec", "(4.8481368110953598e-06 rad)"},
+                                     {"arcmin", "(2.9088820866572158e-04 rad)"},
+                                     {"dps", "(1 deg/s)"},
+                                     {"mdps", "(1e-3 deg/s)"},
+                                     {"ppm", "(1e-6)"}};
 
 // Letters, and the bytes of µ (micro sign) and μ (Greek letter) in UTF-8; not those of √.
 bool is_word(char c) {

@@ -17,7 +17,7 @@ struct WrittenUnit {
 // Unit of a single number with a unit behind it; nothing for a plain number, and for arithmetic.
 std::optional<WrittenUnit> find_written_unit(const std::string& text);
 
-// The text with units of data sheets (h, µg, mg, Hz) written in those of the language.
+// The text with units of data sheets (h, hr, µg, mg, Hz, arcsec, mdps, ppm …) written in those of the language.
 std::string replace_sheet_units(const std::string& text);
 // "0.1 deg / √h" → "(0.1 deg)^2/(h)"; empty if there is no root at the end.
 std::string square_root_unit(const std::string& text);

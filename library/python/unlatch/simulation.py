@@ -219,7 +219,7 @@ class Simulation:
         self.channels = Channels(native, self._items[_CHANNEL])
         values = native.get_array(_SENSORS, 0)
         sensors = self._items[_SENSOR]
-        #: sensors by name: views of their values as last sampled, in the unit of the sensor
+        #: sensors by name: views of their values as last sampled, with the sensors' errors and held between samples, in the unit of the sensor
         self.sensors = Named([s.name for s in sensors], [values[s.first:s.first + s.width] for s in sensors], "sensor")
         received = native.get_array(_RECEIVED, 0)
         #: the same as flight software received them, where a session is replayed: faults distort them, States are dropped or late

@@ -75,7 +75,7 @@ def read_table(path: Path) -> Table:
 
 def read_recording(path: Path, every: int = 1) -> Table:
     """Steps through a recording (*.log) and tabulates it at every `every`-th tick and the last: tick, t, for each body NAME.x …
-    (as `unlatch export` calls them), channels and sensors; of a session the sensors also as flight software received them.
+    (as `unlatch export` calls them), channels and sensors (as sim.sensors: with their errors, held between samples); of a session the sensors also as flight software received them.
     Raises FileError, and DifferenceError where it does not replay."""
     if every < 1:
         raise ValueError("every is 1 or more, in ticks")

@@ -112,7 +112,7 @@ static void hear(dds_entity_t clocks, dds_entity_t frames, dds_entity_t sensors,
     expect(message->transforms._length == 1, "not one body");
     if (message->transforms._length == 1) {
       const geometry_msgs_msg_dds__TransformStamped_* body = message->transforms._buffer;
-      expect(strcmp(body->header.frame_id, "inertial") == 0 && strcmp(body->child_frame_id, "body0") == 0,
+      expect(strcmp(body->header.frame_id, "inertial") == 0 && strcmp(body->child_frame_id, "probe") == 0,
              "other frames");
       expect(body->transform.rotation.w == 1 && body->transform.translation.y == 0, "another pose");
       last_x = body->transform.translation.x;

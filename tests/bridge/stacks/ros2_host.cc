@@ -42,7 +42,9 @@ void rclcpp::init(int, char**) {
   listeners<rosgraph_msgs::msg::Clock>()["/clock"].push_back(
       [](const rosgraph_msgs::msg::Clock& message) { clock_s = message.clock.sec + 1e-9 * message.clock.nanosec; });
   listeners<tf2_msgs::msg::TFMessage>()["/tf"].push_back([](const tf2_msgs::msg::TFMessage& message) {
-    if (message.transforms.size() != 1 || message.transforms[0].header.frame_id != "inertial") ++errors;
+    if (message.transforms.size() != 1 || message.transforms[0].header.frame_id != "inertial" ||
+        message.transforms[0].child_frame_id != "probe")
+      ++errors;
   });
   std::atexit(check);
 }

@@ -135,6 +135,21 @@ TEST(SensorErrors, ValuesAreRoundedAndLimited) {
               testing::ElementsAre(0.1, -0.15, 0.15));
 }
 
+TEST(SensorErrors, ASaturatedConverterSendsItsLargestCodeWithinTheRange) {
+  const Model model = build_model();
+  const auto send = [&](double bias, double quantum, double range) {
+    const hil::SampleAndHold held(
+        model, with_errors({.sensor = 0, .bias = {bias, -bias, 0}, .quantum = quantum, .range = range}), {}, kTruth);
+    return std::vector<double>(held.get_sensors().begin(), held.get_sensors().begin() + 3);
+  };
+  EXPECT_THAT(send(9, 2, 5), testing::ElementsAre(4, -4, 0));
+  EXPECT_THAT(send(4.9, 2, 5), testing::ElementsAre(4, -4, 0));  // the nearest multiple, 6, is beyond it
+  EXPECT_THAT(send(9, 0.05, 5), testing::ElementsAre(5, -5, testing::DoubleEq(0.3)));  // 0.05 is no binary number
+  EXPECT_THAT(send(9, 0.1, 0.3),
+              testing::ElementsAre(testing::DoubleEq(0.3), testing::DoubleEq(-0.3), testing::DoubleEq(0.3)));
+  for (const double value : send(9, 1e-300, 5)) EXPECT_TRUE(std::isfinite(value));
+}
+
 TEST(SensorErrors, DelayedSamplesComeInOrder) {
   const Model model = build_model();
   hil::SampleAndHold held(model, with_errors({.sensor = 0, .delay = 3}, 2), {}, kTruth);
@@ -172,8 +187,38 @@ TEST(SensorErrors, AnAttitudeIsTurnedAndStaysOfLengthOne) {
   hil::SensorErrors errors{.sensor = 1, .bias = {0, 0, 0.02}};
   const hil::SampleAndHold held(model, with_errors(errors), {}, kTruth);
   const std::span<const double> q = held.get_sensors().subspan(3, 4);
-  EXPECT_NEAR(2 * std::atan2(q[3], q[0]), 0.02, 1e-6);  // the third order of 0.02
+  EXPECT_NEAR(2 * std::atan2(q[3], q[0]), 0.02, 1e-15);
   EXPECT_NEAR(q[0] * q[0] + q[3] * q[3], 1, 1e-15);
+}
+
+// The quaternion that is sent of an attitude that is turned by a rotation vector from the axes of W.
+std::vector<double> send_turned(const std::vector<double>& turn) {
+  const Model model = build_model();
+  const hil::SampleAndHold held(model, with_errors({.sensor = 1, .bias = turn}), {}, kTruth);
+  return {held.get_sensors().begin() + 3, held.get_sensors().begin() + 7};
+}
+
+TEST(SensorErrors, AnAttitudeIsTurnedByExactlyTheRotationVector) {
+  for (const double size : {1e-9, 1e-5, 1.9e-4, 2.1e-4, 1e-2, 1.0, 3.0, 10.0}) {
+    const double length = size * std::sqrt(0.01 + 0.04 + 0.09);
+    const std::vector<double> q = send_turned({0.1 * size, -0.2 * size, 0.3 * size});
+    const double part = std::sin(0.5 * length) / length;  // of the vector
+    const double wanted[] = {std::cos(0.5 * length), 0.1 * size * part, -0.2 * size * part, 0.3 * size * part};
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR(q[i], wanted[i], 1e-15 * (i == 0 ? 1 : std::abs(wanted[i]))) << size << ' ' << i;
+  }
+  EXPECT_EQ(send_turned({0, 0, 0}), (std::vector<double>{1, 0, 0, 0}));
+}
+
+// Close to the size below which the sine is its series.
+TEST(SensorErrors, TheTurnOfAnAttitudeHasNoJumpWhereItBecomesSmall) {
+  double last = 0;
+  for (int i = -50; i <= 50; ++i) {
+    const double turn = 2e-4 * (1 + i * 1e-15), z = send_turned({0, 0, turn})[3];
+    EXPECT_GE(z, last) << i;
+    EXPECT_NEAR(z, std::sin(0.5 * turn), 3e-20) << i;
+    last = z;
+  }
 }
 
 TEST(SensorErrors, FromSavedMemoryTheSameBitsFollow) {
@@ -267,6 +312,26 @@ TEST(SensorErrors, UnitsOfDataSheetsAreRead) {
   EXPECT_DOUBLE_EQ(load("noise_density: 0.01 deg/s/√Hz").rates.errors.sensors[0].noise_density, 0.01 * kDegree);
 }
 
+TEST(SensorErrors, OtherUnitsOfDataSheetsAreRead) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const hil::SensorErrors own = load(
+                                    "noise: 30 mdps, noise_density: 4 mdps/√Hz, drift: 1 deg/hr, scale: 300 ppm, "
+                                    "walk: 0.3 deg/hr/√hr, bias: [10 mdps, 0.1 dps, 0], "
+                                    "misalignment: [20 arcsec, -3 arcmin, 0.1 mrad], quantum: 36 arcsec/s")
+                                    .rates.errors.sensors.at(0);
+  EXPECT_DOUBLE_EQ(own.noise, 0.03 * kDegree);
+  EXPECT_DOUBLE_EQ(own.noise_density, 0.004 * kDegree);
+  EXPECT_DOUBLE_EQ(own.drift, kDegree / 3600);
+  EXPECT_DOUBLE_EQ(own.scale, 300e-6);
+  EXPECT_DOUBLE_EQ(own.walk, 0.3 * kDegree / 3600 / 60);
+  EXPECT_DOUBLE_EQ(own.bias.at(0), 0.01 * kDegree);
+  EXPECT_DOUBLE_EQ(own.bias.at(1), 0.1 * kDegree);
+  EXPECT_DOUBLE_EQ(own.misalignment.x(), 20 * kDegree / 3600);
+  EXPECT_DOUBLE_EQ(own.misalignment.y(), -3 * kDegree / 60);
+  EXPECT_DOUBLE_EQ(own.misalignment.z(), 1e-4);
+  EXPECT_DOUBLE_EQ(own.quantum, 0.01 * kDegree);
+}
+
 TEST(SensorErrors, ThousandthsOfGravityAreRead) {
   constexpr double kGravity = 9.80665;
   std::string text = kGoodScenario;
@@ -298,6 +363,33 @@ TEST(SensorErrors, ADelayIsANumberOfSamplesOrATimeThatIsOne) {
   EXPECT_THAT(load_slow("1.5"), testing::HasSubstr("1 or 2, or a group with a shorter period"));
   EXPECT_THAT(load_slow("1 m"), testing::HasSubstr("or a time: 2, 20 ms"));
   EXPECT_THAT(load_slow("-1"), testing::HasSubstr("a whole number from 0 to 1000"));
+  EXPECT_THAT(load_slow("100 s"), testing::AllOf(testing::HasSubstr("a delay of 5000 samples"),
+                                                 testing::HasSubstr("from 0 to 20 s: at most 1000 samples of 0.02 s")));
+}
+
+TEST(SensorErrors, AQuantumBeyondTheRangeIsRefused) {
+  EXPECT_THROW(load("quantum: 20 deg/s, range: 5 deg/s"), hil::ScenarioError);
+  EXPECT_NO_THROW(load("quantum: 5 deg/s, range: 5 deg/s"));
+  try {
+    load("quantum: 20 deg/s, range: 5 deg/s");
+  } catch (const hil::ScenarioError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("'20 deg/s' is greater than the range '5 deg/s'"));
+  }
+}
+
+// With sizes within the bounds of the language what is sent stays finite.
+TEST(SensorErrors, SizesThatOverflowAreRefused) {
+  for (const char* const wrong : {"noise: 1e308", "scale: 1e308", "bias: 1e31", "bias: [0, -1e31, 0]", "walk: 1e200",
+                                  "misalignment: [0, 4, 0]", "drift: 1e99", "quantum: 1e31", "noise_density: 1e40"})
+    EXPECT_THROW(load(wrong), hil::ScenarioError) << wrong;
+  const hil::Scenario scenario = load("noise: 1e30, bias: -1e30, walk: 1e30, drift: 1e30, scale: 1e6, turn_on: 1e30");
+  const Model model = build_model();
+  hil::Rates rates = with_errors(scenario.rates.errors.sensors[0]);
+  hil::SampleAndHold held(model, rates, {}, kTruth);
+  for (std::int64_t tick = 1; tick <= 1000; ++tick) {
+    held.sample(tick, kTruth);
+    for (const double value : held.get_sensors()) ASSERT_TRUE(std::isfinite(value)) << tick;
+  }
 }
 
 TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {

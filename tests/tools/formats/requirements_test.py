@@ -185,6 +185,17 @@ class RequirementsTest(ProcessTest):
         tree = lambda node: {ids[place.find(f"{NS}OBJECT/{NS}SPEC-OBJECT-REF").text]: tree(place) for place in node.findall(f"{NS}CHILDREN/{NS}SPEC-HIERARCHY")}
         self.assertEqual(tree(root.find(f".//{NS}SPECIFICATION")), {"near": {"nearer": {}}, "plain": {}})
 
+    def test_the_identifiers_of_reqif_stay_when_requirements_are_inserted(self):
+        def read(name):
+            root, objects = self.read_reqif(self.export(name))
+            places = {place.attrib["IDENTIFIER"]: place.find(f"{NS}OBJECT/{NS}SPEC-OBJECT-REF").text for place in root.iter(NS + "SPEC-HIERARCHY")}
+            return {values["ReqIF.ForeignID"]: (key, next(place for place, to in places.items() if to == key)) for key, values in objects.items()}
+        before = read("before.reqif")
+        self.scenario.write_text(SCENARIO.replace("requirements:\n", "requirements:\n  - {id: first, time: {event: late}, range: [0, 1]}\n"))
+        after = read("after.reqif")
+        self.assertEqual({key: after[key] for key in before}, before)
+        self.assertEqual(len(set(after.values())), 4)
+
     def test_parents_in_a_circle_are_written_all_the_same(self):
         self.scenario.write_text(SCENARIO.replace("parent: SYS-4", "parent: nearer"))
         root, objects = self.read_reqif(self.export("pass.reqif"))
@@ -228,8 +239,10 @@ class RequirementsTest(ProcessTest):
         for name, text, reason in (("bomb.reqif", bomb, "document type"), ("half.reqif", FOREIGN[:900], "line "), ("deep.reqif", "<REQ-IF>" + "<a>" * 400, "256"),
                                    ("other.xml", "<html/>", "root is not REQ-IF"), ("zip.reqif", "PK\x03\x04", "unzip"), ("open.csv", 'id,text\nnear,"x', "not closed"),
                                    ("none.csv", "a,b\n1,2\n", "--id"), ("columns.csv", "id,text,Text\nnear,a,b\n", "line 1 has a second column 'Text'"),
-                                   ("rows.csv", "id,text\nnear,a\nnear,b\n", "requirement 'near' stands there more than once")):
-            _, told = self.import_file(name, text, code=1)
+                                   ("rows.csv", "id,text\nnear,a\nnear,b\n", "requirement 'near' stands there more than once"),
+                                   ("others.csv", "id,text\nfar,a\nfar,b\n", "requirement 'far' stands there more than once"),
+                                   ("dangling.reqif", FOREIGN.replace('IDENTIFIER="a-text"', 'IDENTIFIER="a-other"'), "'a-text', which the file does not define")):
+            _, told = self.import_file(name, text, code=2)
             self.assertIn(reason, told, name)
             self.assertFalse((self.folder / "part.yaml").exists(), name)
 

@@ -74,7 +74,7 @@ class DossierTest(ProcessTest):
         path.write_text(text)
         return path
 
-    def build(self, *arguments, code=0):
+    def build(self, *arguments, code=1):  # as `run`: the scenario misses a requirement
         """The contents, and the path of the page."""
         page, contents = self.folder / "dossier.html", self.folder / "dossier.json"
         self.run_ok(UNLATCH, "dossier", *arguments, "--out", page, "--json", contents, code=code)
@@ -116,6 +116,25 @@ class DossierTest(ProcessTest):
         self.assertEqual(without, ["bodies.still.inertia", "bodies.still.shape[0].sphere.radius", "bodies.moving.inertia", "bodies.moving.velocity",
                                    "bodies.moving.shape[0].sphere.radius", "elements.spring.free_length", "events.late.when.time"])
 
+    def test_the_hash_beside_each_command_is_what_the_command_prints(self):
+        contents, _ = self.build(self.scenario, "--without-accuracy")
+        hashes = {one["command"].split()[1]: one["hash"] for one in contents["commands"]}
+        self.assertIn(f"model hash {hashes['check']}", self.run_ok(UNLATCH, "check", self.scenario).stdout)
+        self.assertEqual(self.run_json(UNLATCH, "check", self.scenario)["model_hash"], hashes["check"])
+        run = self.run_json(UNLATCH, "run", self.scenario, code=1)
+        self.assertEqual((run["model_hash"], run["hash"]), (hashes["check"], hashes["run"]))
+        self.assertIn(f"state hash {hashes['run']}", self.run_ok(UNLATCH, "run", self.scenario, code=1).stdout)
+
+    def test_the_exit_code_says_whether_requirements_are_met(self):
+        self.build(self.scenario, "--without-accuracy", code=1)
+        met = self.write("met.yaml", SCENARIO[:SCENARIO.index("requirements:")])
+        self.build(met, "--without-accuracy", code=0)
+
+    def test_the_texts_of_included_files_are_in_the_contents(self):
+        self.write("part.yaml", "unlatch_part: 1\nconstants: {a_number_of_the_part: 0.125}\n")
+        contents, _ = self.build(self.write("whole.yaml", SCENARIO.replace("name: pass", "include: part.yaml\nname: pass")), "--without-accuracy")
+        self.assertIn("a_number_of_the_part: 0.125", contents["scenario_text"])
+
     def test_this_versions_verification_and_its_limits_are_in_it(self):
         contents, _ = self.build(self.scenario, "--without-accuracy")
         text, tests = (SOURCE / "VALIDATION.md").read_text(), (SOURCE / "tests/README.md").read_text()
@@ -142,9 +161,10 @@ class DossierTest(ProcessTest):
             for path in (self.scenario, campaign, statements):
                 shutil.copy(path, folder)
             shutil.copytree(results, folder / "results")
-            subprocess.run([UNLATCH, "dossier", "campaign.yaml", *options], cwd=folder, check=True, capture_output=True, env={**os.environ, "TZ": name, "LC_ALL": "C"})
+            result = subprocess.run([UNLATCH, "dossier", "campaign.yaml", *options], cwd=folder, check=False, capture_output=True, env={**os.environ, "TZ": name, "LC_ALL": "C"})
+            self.assertEqual(result.returncode, 1, result.stderr)  # as `run`: the scenario misses a requirement
             pages.append([(folder / "page.html").read_bytes(), (folder / "page.json").read_bytes()])
-        self.run_ok(UNLATCH, "dossier", campaign, "--results", results, "--statements", statements, "--out", self.folder / "p.html", "--json", self.folder / "p.json")
+        self.run_ok(UNLATCH, "dossier", campaign, "--results", results, "--statements", statements, "--out", self.folder / "p.html", "--json", self.folder / "p.json", code=1)
         pages.append([(self.folder / "p.html").read_bytes(), (self.folder / "p.json").read_bytes()])
         self.assertEqual(pages[0], pages[1])
         self.assertEqual(pages[0], pages[2], "of paths from elsewhere")
@@ -190,7 +210,7 @@ class DossierTest(ProcessTest):
         self.assertEqual(result.returncode, 2)
         self.assertIn("wrong.yaml:1:1: unknown key 'valdation'", result.stderr)
         self.assertIn("did you mean 'validation'", result.stderr)
-        self.assertIn("wrong.yaml:2:17: unknown level '7'", result.stderr)
+        self.assertIn("wrong.yaml:2:17: '7' is no level", result.stderr)
 
     def test_a_signal_ends_it_within_a_second_and_writes_nothing(self):
         long = self.write("long.yaml", SCENARIO.replace("until: 1}", "until: 1e6}"))

@@ -61,8 +61,13 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                      const std::string& target) {
   const Model& model = scenario.model;
   const Plan& plan = simulation.plan();
-  Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
-               {"dt", scenario.dt}, {"until", scenario.until}};
+  Json json = {{"schema", 1},
+               {"valid", true},
+               {"scenario", scenario.name},
+               {"title", scenario.title},
+               {"dt", scenario.dt},
+               {"until", scenario.until},
+               {"model_hash", to_hex(simulation.get_model_hash())}};
   json["bodies"] = Json::array();
   for (const Body& body : model.bodies) json["bodies"].push_back(build_body(body));
   json["joints"] = Json::array();

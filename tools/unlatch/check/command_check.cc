@@ -3,10 +3,13 @@
 #include <cstdarg>
 #include <nlohmann/json.hpp>
 
+#include "bridge/telemetry/session_layout.h"
+#include "bridge/telemetry/xtce.h"
 #include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
 #include "hil/run/starting_quantities.h"
 #include "hil/scenario/base/philox.h"
+#include "hil/session/participants/announcer.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/optimize/problem/problem_findings.h"
@@ -163,6 +166,7 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_heading(stdout, "Memory");
   std::printf("  state %s, workspace %s\n", count(plan.get_state_bytes(), "byte").c_str(),
               count(plan.get_workspace_bytes(), "byte").c_str());
+  std::printf("\nmodel hash %s\n", to_hex(simulation.get_model_hash()).c_str());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
@@ -253,14 +257,33 @@ void print_quantities(const hil::Scenario& scenario) {
                 quantity.text.c_str());
 }
 
-// What `check` appends to the plan.
+// The packets that telemetry makes of a session of the scenario.
+std::string describe_packets(const hil::Scenario& scenario, const hil::Simulation& simulation) {
+  hil::SessionOptions options;
+  options.session = 1;  // no packet's description depends on it
+  options.flight_software = scenario.flight_software;
+  const std::vector<hil::CatalogMessage> catalog = hil::build_session_catalog(simulation, options);
+  bridge::SessionLayout layout;
+  layout.hear(hil::build_hello(simulation, scenario.name, options, catalog));
+  for (const hil::CatalogMessage& item : catalog) layout.hear(item);
+  for (std::size_t i = 0; i < scenario.model.joints.size(); ++i) {
+    std::vector<std::string> names;
+    for (const auto& mode : scenario.model.joints[i].modes) names.push_back(mode.name);
+    layout.set_modes(i, std::move(names));
+  }
+  return bridge::write_xtce(layout);
+}
+
+// What `check` appends to the plan, and writes beside it.
 struct Lists {
   bool outputs = false, quantities = false;
+  std::string xtce;
   CostOptions cost;
 };
 
 int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, const Lists& lists) {
   check_output(json);
+  check_output(lists.xtce);
   try {
     if (is_campaign(options)) return check_campaign(options, json);
     if (!hil::is_standard_input(options.path) &&
@@ -288,6 +311,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
     if (json != "-" && lists.outputs) print_outputs(scenario);
     if (json != "-" && lists.quantities) print_quantities(scenario);
     if (json != "-" && !lists.cost.target.empty()) print_cost(scenario, simulation->plan(), lists.cost);
+    if (!lists.xtce.empty()) write_text(describe_packets(scenario, *simulation), lists.xtce);
     if (!json.empty()) write_plan_json(scenario, *simulation, redundant, {lists.quantities, lists.cost}, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
@@ -308,6 +332,10 @@ void add_check(Command app, int& exit_code) {
                    "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
   add_scenario_options(command, *options);
   command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
+      .type_name("FILE");
+  command
+      .add_option("--xtce", lists->xtce,
+                  "XTCE description of the packets that `unlatch telemetry` makes of a session, with names of modes")
       .type_name("FILE");
   command.add_flag("--outputs", lists->outputs, "lists what runs can write: names, frames, columns, units");
   command.add_flag(

@@ -251,7 +251,9 @@ int run(const DossierOptions& options) {
   if (!options.out.empty()) write_text(build_dossier_page(document), options.out);
   std::fprintf(stderr, "%s%ssha256 of the contents (--json): %s\n", options.out.c_str(),
                options.out.empty() ? "" : ": ", hash.c_str());
-  return document.at("run").at("status") == "ok" ? kExitDone : kExitFailed;
+  const bool met = std::ranges::all_of(document.at("run").at("requirements"),
+                                       [](const Json& one) { return one.at("met").get<bool>(); });
+  return document.at("run").at("status") == "ok" && met ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -268,7 +270,8 @@ void add_dossier(Command app, int& exit_code) {
       "every "
       "number again. What the program cannot know (validation by measurements, use, people) is taken from "
       "--statements. The "
-      "same files give the same bytes. Exit code 1: the nominal run did not end well, or a signal ended the work.",
+      "same files give the same bytes. Exit code 1: the nominal run did not end well or missed a requirement, as `run` "
+      "says, or a signal ended the work.",
       "unlatch dossier hil/scenarios/boosters/scenario.yaml --out dossier.html\n"
       "unlatch dossier scenario.yaml --statements statements.yaml --out dossier.html --json dossier.json\n"
       "unlatch dossier campaign.yaml --results results --out dossier.html");
@@ -290,7 +293,7 @@ void add_dossier(Command app, int& exit_code) {
       .default_shown();
   command.add_flag("--without-accuracy", options->without_accuracy,
                    "leaves out the runs at half and a quarter of the step");
-  command.add_json_option(options->json, ": the contents of the page; the page states the SHA-256 of this file");
+  command.add_json_option(options->json, "the contents of the page, which states the SHA-256 of this file");
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -68,13 +68,13 @@ int import_into(const RequirementOptions& options) {
   const hil::Scenario scenario = load({.path = options.arguments[2], .overrides = options.overrides});
   ImportedPart part;
   try {
-    const std::string text = hil::read_text_file(file, "file of requirements");
+    const std::string text = hil::read_text_file(file, "file of requirements (.reqif, .csv)");
     const std::vector<ListedRequirement> list =
         format == Format::kCsv ? read_requirements(text, options.names) : read_reqif(text, options.names);
     part = write_part(list, scenario, std::filesystem::path(file).filename().string());
   } catch (const RequirementError& error) {
     std::fprintf(stderr, "%s: %s\n", file.c_str(), error.what());
-    return kExitFailed;
+    return kExitUsage;
   }
   write_text(part.text, options.out);
   std::fprintf(stderr, "%s: %s of %s set\n", options.out.c_str(), count(part.set, "requirement").c_str(),

@@ -200,7 +200,8 @@ nlohmann::ordered_json build_json(const RunReport& report) {
                {"status", report.status},
                {"dt", report.simulation.plan().get_options().dt},
                {"ticks", report.tick},
-               {"hash", to_hex(report.hash)}};
+               {"hash", to_hex(report.hash)},
+               {"model_hash", to_hex(report.simulation.get_model_hash())}};
   if (!report.message.empty()) json["message"] = report.message;
   json["events"] = Json::array();
   for (const auto& entry : report.analysis.timeline) {

@@ -1,4 +1,7 @@
 // unlatch telemetry: a session for control rooms and displays, as an ordinary subscriber.
+#include <arpa/inet.h>
+
+#include <charconv>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kWait = 5ms;      // for a message, before the sockets are looked at again
+constexpr auto kWait = 5ms;               // for a message, before the sockets are looked at again
 constexpr auto kTelemetryLinger = 500ms;  // after a session's last State, for what is still on its way to clients
 
 struct Options {
@@ -29,6 +32,25 @@ struct Options {
   double seconds = 0;  // 0: until it is interrupted
   bool until_end = false;
 };
+
+// "" or the mistake in an address and port. Whether it can be opened, the sockets say.
+std::string check_address(const std::string& text) {
+  const std::string mistake =
+      "'" + text + "' is no address and port; write it like 127.0.0.1:10015, localhost:10015 or [::1]:10015";
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) return mistake;
+  std::uint16_t port = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data() + colon + 1, end, port);
+  if (fault != std::errc{} || stop != end || port == 0) return mistake + "; ports are 1 to 65535";
+  std::string host = text.substr(0, colon);
+  if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  host = host.substr(0, host.find('%'));  // the interface of an address that is valid on one link
+  in6_addr address{};
+  const bool known = host == "localhost" || inet_pton(AF_INET, host.c_str(), &address) == 1 ||
+                     inet_pton(AF_INET6, host.c_str(), &address) == 1;
+  return known ? "" : mistake;
+}
 
 std::unique_ptr<bridge::Telemetry> open(const bridge::TelemetryOptions& options) try {
   using Open = bridge::Telemetry*(const bridge::TelemetryOptions&);
@@ -52,7 +74,9 @@ nlohmann::ordered_json build_json(const bridge::TelemetryReport& report, const b
           {"packets", build_json(report.packets)},
           {"live", build_json(report.live)},
           {"malformed", port.malformed},
-          {"lost", port.lost}};
+          {"lost", report.lost},
+          {"states_lost", report.states_lost},
+          {"transport_lost", port.lost}};
 }
 
 void print(std::FILE* to, const char* what, const bridge::OutletCounts& counts) {
@@ -65,6 +89,7 @@ int run(const Options& options) {
   never_wait_for_stderr();
   const std::atomic<bool>& stop = catch_interrupts();
   check_output(options.json);
+  check_output(options.xtce);
   const std::unique_ptr<bridge::Telemetry> telemetry = open(options.telemetry);
   const auto port = open_port(options.transport, bridge::Role::kObserver);
   std::int64_t session = 0;
@@ -97,6 +122,12 @@ int run(const Options& options) {
   std::fprintf(people, "%s\n", session == 0 ? "no session was found" : "telemetry of a session");
   print(people, "packets", report.packets);
   print(people, "live", report.live);
+  if (report.lost > 0)
+    std::fprintf(
+        stderr,
+        "unlatch telemetry: %s of the session never came here, by their numbers (%lld of State): nobody behind "
+        "this program received them\n",
+        count(report.lost, "message").c_str(), static_cast<long long>(report.states_lost));
   write_json(build_json(report, port->get_counts(), session), options.json);
   return session != 0 ? kExitDone : kExitFailed;
 }
@@ -114,14 +145,17 @@ void add_telemetry(Command app, int& exit_code) {
       "unlatch telemetry --transport udp --live 127.0.0.1:8765");
   add_transport_options(command, options->transport, false);
   command.add_option("--packets", options->telemetry.udp, "sends each space packet as a datagram to this address")
-      .type_name("ADDRESS:PORT");
+      .type_name("ADDRESS:PORT")
+      .check(check_address);
   command
       .add_option("--packets-tcp", options->telemetry.tcp,
                   "space packets back to back for TCP clients at this address; at most 8")
-      .type_name("ADDRESS:PORT");
+      .type_name("ADDRESS:PORT")
+      .check(check_address);
   command.add_option("--xtce", options->xtce, "XTCE description of the session's packets to write").type_name("FILE");
   command.add_option("--live", options->telemetry.live, "Foxglove WebSocket at this address; at most 8 clients")
-      .type_name("ADDRESS:PORT");
+      .type_name("ADDRESS:PORT")
+      .check(check_address);
   command
       .add_option("--origin", options->telemetry.origins,
                   "origin of a web page that may connect to --live, beside those of this machine and of Foxglove")

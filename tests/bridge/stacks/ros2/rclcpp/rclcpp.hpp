@@ -1,14 +1,16 @@
 // The smallest stand-in for the interface of rclcpp that unlatch_node.cpp uses, by its published interface (ROS 2
 // Humble, Apache-2.0): names and meanings, no code of it. Topics of one name are connected in this process; messages
-// wait until spin_some().
+// wait until the executor spins.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -81,10 +83,26 @@ class Node {
 void init(int count, char** arguments);
 inline void shutdown() { running = false; }
 inline bool ok() { return running; }
-inline void spin_some(const std::shared_ptr<Node>&) {
-  std::vector<std::function<void()>> now;
-  std::swap(now, waiting);
-  for (const auto& call : now) call();
-}
+
+namespace executors {
+
+class SingleThreadedExecutor {
+ public:
+  void add_node(const std::shared_ptr<Node>&) {}
+  void spin_some() {
+    std::vector<std::function<void()>> now;
+    std::swap(now, waiting);
+    for (const auto& call : now) call();
+  }
+  // One call, for which it waits at most `timeout`.
+  void spin_once(std::chrono::nanoseconds timeout) {
+    if (waiting.empty()) return std::this_thread::sleep_for(timeout);  // nobody else is in this process
+    const auto call = waiting.front();
+    waiting.erase(waiting.begin());
+    call();
+  }
+};
+
+}  // namespace executors
 
 }  // namespace rclcpp

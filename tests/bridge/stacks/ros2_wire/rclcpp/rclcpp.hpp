@@ -6,6 +6,7 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -168,9 +169,22 @@ inline void shutdown() {
   running = false;
   if (errors > 0) std::exit(1);
 }
-inline void spin_some(const std::shared_ptr<Node>& node) {
-  node->take_all();
-  std::this_thread::sleep_for(std::chrono::microseconds(20));  // leaves the processor to the middleware's threads
-}
+
+namespace executors {
+
+class SingleThreadedExecutor {
+ public:
+  void add_node(const std::shared_ptr<Node>& node) { node_ = node; }
+  void spin_some() { node_->take_all(); }
+  void spin_once(std::chrono::nanoseconds timeout) {
+    node_->take_all();
+    std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(timeout, std::chrono::microseconds(20)));
+  }
+
+ private:
+  std::shared_ptr<Node> node_;
+};
+
+}  // namespace executors
 
 }  // namespace rclcpp
