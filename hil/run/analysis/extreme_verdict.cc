@@ -26,6 +26,15 @@ Range find_range(const Requirement& requirement, const FoundExtremes& found, boo
   return is_low ? least : most;
 }
 
+// What the value may be between two knots that alone tell it, if it changes there as it has elsewhere; `within`: what
+// it may be by the bounds. The same range if no two knots do.
+Range find_unsearched_range(const Requirement& requirement, const FoundExtremes& found, bool is_low, Range within) {
+  const double low = from_smooth(found.part, std::min(found.least.unsearched, found.least.least));
+  const double high = from_smooth(found.part, -std::min(found.most.unsearched, found.most.least));
+  if (requirement.take == Take::kPeak) return {within.low, std::max({within.high, -low, high})};
+  return is_low ? Range{std::min(within.low, low), within.high} : Range{within.low, std::max(within.high, high)};
+}
+
 // A step, as a part of the run's, with which an error comes to what is allowed. Differences that do not fall
 // (ExtremeBounds) may fall in proportion to the step at first, until the error is a part of the value; those that fall
 // do so with its fourth power at least.
@@ -53,12 +62,26 @@ void judge_extreme(const Requirement& requirement, const FoundExtremes& found, d
   const auto is_within = [&](double limit) { return low < limit && limit < high; };
   const bool may_differ =
       verdict.uncertainty > kCertain * size && (is_within(requirement.least) || is_within(requirement.most));
+  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
+  if (verdict.at_ticks && !may_differ) {
+    const Range beyond = find_unsearched_range(requirement, found, is_low, {low, high});
+    const double limit =
+        beyond.low < requirement.least && requirement.least < low ? requirement.least : requirement.most;
+    const double reach = limit < low ? beyond.low : beyond.high;
+    if (beyond.low < limit && limit < beyond.high && !is_within(limit)) {
+      const double step = kRoundedDown * dt * std::min(1.0, (limit - verdict.value) / (reach - verdict.value));
+      verdict.unresolved = format(
+          "its extreme as sampled at ticks and events: %.6g%s, and %.6g%s between two of them if it changes there "
+          "as it does elsewhere; a step of %.3g s would do",
+          verdict.value, unit.c_str(), reach, unit.c_str(), step);
+      return;
+    }
+  }
   const double known = kKnown * size;
   if (!may_differ && verdict.uncertainty <= known) return;
   const double allowed = may_differ ? std::min(known, std::abs(verdict.margin)) : known;
   const double time = own.time;
   const double step = kRoundedDown * dt * calc_sufficient_part(verdict.uncertainty, size, allowed);
-  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
   verdict.unresolved =
       format("its extreme between steps, at %.6g s: %.6g%s is known to %.2g%s only; a step of %.3g s would do", time,
              verdict.value, unit.c_str(), verdict.uncertainty, unit.c_str(), step);

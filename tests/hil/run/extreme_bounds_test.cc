@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "hil/run/analysis/extreme_verdict.h"
 #include "hil/run/findings/findings.h"
 #include "hil/scenario/requirements_check.h"
 #include "tests/hil/run/analysed_run.h"
@@ -477,6 +478,38 @@ requirements:
   const hil::Verdict verdict = analysis.judge().front();
   EXPECT_NEAR(verdict.value, truth, 1e-3 * truth);
   EXPECT_FALSE(verdict.is_uncertain());
+}
+
+// 4.9 N at a tick; between it and the next, with new commands at both, up to `possible` if it changes there as
+// elsewhere.
+hil::Verdict judge_between_ticks(double possible, hil::Requirement::Take take, double sign) {
+  hil::Requirement requirement;
+  requirement.take = take;
+  requirement.unit = "N";
+  (sign > 0 ? requirement.most : requirement.least) = sign * 5;
+  const hil::ExtremeBounds::Bound none{.least = 0, .most = 0, .value = 0};
+  const hil::ExtremeBounds::Bound seen{.least = -4.9, .most = -4.9, .value = -4.9, .unsearched = -possible};
+  const hil::FoundExtremes found{sign > 0 ? 0 : -4.9, sign > 0 ? 4.9 : 0, sign > 0 ? none : seen,
+                                 sign > 0 ? seen : none, hil::SmoothPart::kItself};
+  hil::Verdict verdict;
+  verdict.evaluated = true;
+  verdict.value = (take == hil::Requirement::Take::kPeak ? 1 : sign) * 4.9;
+  verdict.limit = sign * 5;
+  verdict.margin = 0.1;
+  hil::judge_extreme(requirement, found, 0.001, verdict);
+  return verdict;
+}
+
+TEST(ExtremeBounds, AValueOfTicksAloneIsUnresolvedWhereTheLimitIsWithinWhatItMayBeBetweenThem) {
+  using Take = hil::Requirement::Take;
+  for (const auto& [take, sign] : {std::pair{Take::kMaximum, 1}, {Take::kMinimum, -1}, {Take::kPeak, 1}}) {
+    const hil::Verdict near = judge_between_ticks(5.2, take, sign), far = judge_between_ticks(4.95, take, sign);
+    EXPECT_TRUE(near.at_ticks && far.at_ticks);
+    EXPECT_TRUE(far.is_resolved()) << far.unresolved;
+    EXPECT_THAT(near.unresolved, HasSubstr("as sampled at ticks and events: "));
+    EXPECT_THAT(near.unresolved, HasSubstr("5.2 N between two of them"));
+    EXPECT_NEAR(std::stod(find_proposed_step(near.unresolved)), 0.001 / 3, 0.01 * 0.001 / 3);
+  }
 }
 
 }  // namespace
