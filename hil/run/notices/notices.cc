@@ -46,6 +46,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       sticking_(static_cast<std::size_t>(scenario.model.element_count())),
       touching_(scenario.model.contacts.size()),
       jumping_(scenario.model.contacts.size()),
+      doubled_(scenario.model.contacts.size()),
       impulses_(scenario.model.contacts.size()),
       denormal_(scenario.model.bodies.size()),
       restless_(scenario.model.channels.size()),
@@ -58,6 +59,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       passed_over_(scenario.model.laws.size()),
       cells_(scenario.model),
       jumps_(simulation),
+      seams_(simulation),
       laws_(std::make_unique<LawWatch>(scenario.model, simulation.plan())),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
@@ -128,6 +130,7 @@ void NoticeWatch::update(const StepReport& report) {
   watch_profiles();
   watch_contacts();
   watch_jumps();
+  watch_seams();
   watch_friction(!begun_ || !report.events.empty());
   watch_commands();
   watch_loops(report);
@@ -326,6 +329,21 @@ void NoticeWatch::watch_jumps() {
               jump.way, jump.count, part);
         },
         part > kJumpFailure ? list_contact_bodies(scenario_.model, jump.contact) : std::vector<int>{});
+  }
+}
+
+void NoticeWatch::watch_seams() {
+  for (const ContactSeam& seam : seams_.update()) {
+    const Contact& contact = scenario_.model.contacts[at(seam.contact)];
+    report(
+        doubled_[at(seam.contact)], "seam", contact.name, seam.part,
+        [&] {
+          return format(
+              "two shapes of one surface push a sphere at one point, the second one at %.2g of the first one's depth: "
+              "each adds its force; give the surface one shape there, a box or a hull over both",
+              seam.part);
+        },
+        seam.part > kSeamFailure ? list_contact_bodies(scenario_.model, seam.contact) : std::vector<int>{});
   }
 }
 

@@ -17,6 +17,9 @@
 //              a blow on several rough feet that is found to a part of its speeds only
 //   jump*      the point of contact of a face or a straight line jumps from end to end, and more than kJumpNotice of
 //              the bodies' rotation depends on which end bears the force; beyond kJumpFailure they are unresolved
+//   seam*      two shapes of one surface push a sphere at one point: its force is up to twice that of one surface;
+//   beyond
+//              kSeamFailure the bodies are unresolved
 //   friction*  dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate
 //   mode*      dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that reverses faster than dt·ω = kAccurate: a control loop for which the delay of a
@@ -42,6 +45,7 @@
 #include <vector>
 
 #include "hil/run/audit/contact_jumps.h"
+#include "hil/run/audit/contact_seams.h"
 #include "hil/run/audit/energy_audit.h"
 #include "hil/run/audit/unresolved_bodies.h"
 #include "hil/run/audit/unseen_crossings.h"
@@ -66,7 +70,8 @@ struct RunNotice {
   bool unresolved = false;    // results that depend on the subject are unresolved
 };
 
-inline constexpr double kCoincident = 1e-9;  // m: below it the direction between two points is rounding
+inline constexpr double kCoincident = 1e-9;   // m: below it the direction between two points is rounding
+inline constexpr double kSeamFailure = 1e-3;  // of the depth: ContactSeam::part
 inline constexpr double kJumpNotice = 1e-4, kJumpFailure = 1e-2;  // parts of the rotation: ContactJumpSum::calc_part()
 
 class NoticeWatch {
@@ -125,6 +130,7 @@ class NoticeWatch {
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_jumps();
+  void watch_seams();
   void watch_friction(bool modes_are_new);
   void watch_commands();
   void watch_loops(const StepReport& report);
@@ -148,20 +154,21 @@ class NoticeWatch {
   std::vector<RunNotice> notices_;
   UnresolvedBodies unresolved_;
   BodyLinks links_;
-  std::vector<Slot> turning_;                      // of bodies
-  std::vector<Slot> stiff_, sticking_;             // of elements
-  std::vector<Slot> touching_, jumping_;           // of contacts
-  std::vector<double> impulses_;                   // of contacts at the latest tick, N s
-  std::vector<bool> denormal_, restless_;          // reported bodies, channels
-  std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
-  std::vector<Slot> profile_notices_;              // of loads
-  std::vector<Slot> left_, skipped_;               // of tables
-  Slot yielded_;                                   // of blows
-  std::vector<Slot> beside_;                       // of one-sided forces
-  std::vector<Slot> passed_, passed_over_;         // of events; of laws
-  std::vector<ProfileWatch> profiles_;             // of loads
+  std::vector<Slot> turning_;                       // of bodies
+  std::vector<Slot> stiff_, sticking_;              // of elements
+  std::vector<Slot> touching_, jumping_, doubled_;  // of contacts
+  std::vector<double> impulses_;                    // of contacts at the latest tick, N s
+  std::vector<bool> denormal_, restless_;           // reported bodies, channels
+  std::vector<bool> pointless_, pointless_sided_;   // reported point springs, one-sided forces
+  std::vector<Slot> profile_notices_;               // of loads
+  std::vector<Slot> left_, skipped_;                // of tables
+  Slot yielded_;                                    // of blows
+  std::vector<Slot> beside_;                        // of one-sided forces
+  std::vector<Slot> passed_, passed_over_;          // of events; of laws
+  std::vector<ProfileWatch> profiles_;              // of loads
   CellWatch cells_;
   ContactJumps jumps_;
+  ContactSeams seams_;
   std::unique_ptr<LawWatch> laws_;
   std::vector<ElementMobility> mobilities_;  // in the present modes
   std::vector<Course> courses_;

@@ -321,5 +321,45 @@ contacts:
   }
 }
 
+// A ball that rolls over floors of two boxes, or in the trough of two that stand at an angle.
+std::string build_rolling_over(const std::string& floor) {
+  return R"(unlatch: 1
+name: seam
+step: {dt: 1 ms, until: 0.4}
+gravity: {uniform: [0, 0, -9.81]}
+ground: {shape: [)" +
+         floor + R"(]}
+bodies:
+  ball: {mass: 2 kg, inertia: [0.02, 0.02, 0.02], position: [-0.1, 0, 0.0999], velocity: [0.5, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+contacts:
+  c: {between: [ground.floor, ball], stiffness: 200 kN/m, damping: 1 s/m}
+requirements:
+  - {id: force, force: c, take: max, at_most: 1 kN}
+)";
+}
+
+TEST(Contacts, ABallThatTwoShapesOfOneSurfacePushIsUnresolvedAndOneBetweenTwoWallsIsNot) {
+  const auto build_box = [](double x, double size, const char* more) {
+    return "{name: floor, box: {size: [" + std::to_string(size) + ", 1, 1], centre: [" + std::to_string(x) +
+           ", 0, -0.5]" + more + "}}";
+  };
+  for (const double overlap : {0.0, 0.1}) {
+    const AnalysedRun run(build_rolling_over(build_box(-0.5, 1 + 2 * overlap, "") + ", " + build_box(0.5, 1, "")));
+    const auto notice = find_notice(run, "seam");
+    ASSERT_TRUE(notice.has_value()) << overlap;
+    EXPECT_EQ(notice->subject, "c");
+    EXPECT_TRUE(notice->unresolved);
+    EXPECT_FALSE(run.judge("force").is_resolved());
+  }
+  const AnalysedRun one(build_rolling_over(build_box(0, 2, "")));
+  EXPECT_FALSE(find_notice(one, "seam").has_value());
+  EXPECT_TRUE(one.judge("force").is_resolved());
+  // A wall of 14 degrees of slope begins under the floor: the ball touches both, each with its own normal and point.
+  const AnalysedRun trough(build_rolling_over(
+      build_box(-0.5, 2, "") +
+      ", {name: floor, box: {size: [1, 1, 1], centre: [0.606, 0, -0.364], attitude: {rotate: [[y, -14 deg]]}}}"));
+  EXPECT_FALSE(find_notice(trough, "seam").has_value());
+}
+
 }  // namespace
 }  // namespace unlatch::test::contact_test
