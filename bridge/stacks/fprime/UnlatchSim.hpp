@@ -1,5 +1,6 @@
 // F´ component UnlatchSim: the simulator as a port of States and a port of commands (UnlatchSim.fpp). Copy this folder,
-// participant.{h,c}, unlatch_wire.h and unlatch_frame.h into a component folder, and list the sources in its CMakeLists.txt.
+// participant.{h,c}, unlatch_wire.h and unlatch_frame.h into a component folder, and list the sources in its
+// CMakeLists.txt.
 #ifndef UNLATCH_SIM_HPP_
 #define UNLATCH_SIM_HPP_
 

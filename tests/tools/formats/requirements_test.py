@@ -246,6 +246,10 @@ class RequirementsTest(ProcessTest):
             self.assertIn(reason, told, name)
             self.assertFalse((self.folder / "part.yaml").exists(), name)
 
+    def test_a_file_that_does_not_exist_is_named_by_what_it_should_be(self):
+        _, told = self.import_file("none.reqif", None, code=2)
+        self.assertIn("name a readable file of requirements (.reqif, .csv)", told)
+
     def test_a_command_line_that_says_too_little_is_refused(self):
         for arguments, reason in ((["export", self.scenario, "--out", "x.doc"], "format"), (["import", "a.csv", "--out", "x.yaml"], "a file and a scenario"),
                                   (["drop", self.scenario, "--out", "x.csv"], "what to do"), (["export", self.scenario, "--out", "x.reqif", "--time", "noon"], "no time")):
