@@ -334,13 +334,13 @@ bodies:
 contacts:
   c: {between: [ground.floor, ball], stiffness: 200 kN/m, damping: 1 s/m}
 requirements:
-  - {id: force, force: c, take: max, at_most: 1 kN}
+  - {id: force, force: c, take: maximum, at_most: 1 kN}
 )";
 }
 
 TEST(Contacts, ABallThatTwoShapesOfOneSurfacePushIsUnresolvedAndOneBetweenTwoWallsIsNot) {
   const auto build_box = [](double x, double size, const char* more) {
-    return "{name: floor, box: {size: [" + std::to_string(size) + ", 1, 1], centre: [" + std::to_string(x) +
+    return "{group: floor, box: {size: [" + std::to_string(size) + ", 1, 1], centre: [" + std::to_string(x) +
            ", 0, -0.5]" + more + "}}";
   };
   for (const double overlap : {0.0, 0.1}) {
@@ -357,7 +357,7 @@ TEST(Contacts, ABallThatTwoShapesOfOneSurfacePushIsUnresolvedAndOneBetweenTwoWal
   // A wall of 14 degrees of slope begins under the floor: the ball touches both, each with its own normal and point.
   const AnalysedRun trough(build_rolling_over(
       build_box(-0.5, 2, "") +
-      ", {name: floor, box: {size: [1, 1, 1], centre: [0.606, 0, -0.364], attitude: {rotate: [[y, -14 deg]]}}}"));
+      ", {group: floor, box: {size: [1, 1, 1], centre: [0.606, 0, -0.364], attitude: {rotate: [[y, -14 deg]]}}}"));
   EXPECT_FALSE(find_notice(trough, "seam").has_value());
 }
 
