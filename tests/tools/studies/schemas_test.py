@@ -98,7 +98,7 @@ def get(document, path):
 class SchemasTest(ProcessTest):
     def setUp(self):
         super().setUp()
-        for name, text in (("s.yaml", SCENARIO), ("c.yaml", DRAWN), ("t.csv", "v\n0\n1\n")):
+        for name, text in (("s.yaml", SCENARIO.replace("dt: 100 ms", "dt: 10 ms")), ("c.yaml", DRAWN), ("t.csv", "v\n0\n1\n")):
             (self.folder / name).write_text(text)
 
     def check(self, document):
