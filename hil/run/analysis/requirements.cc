@@ -48,10 +48,7 @@ SmoothPart find_smooth_part(const Model& model, const Requirement& r) {
   if (r.quantity == Measure::kReaction || r.quantity == Measure::kSensor)
     return r.axis < 0 ? SmoothPart::kSquare : SmoothPart::kItself;
   if (r.quantity != Measure::kQuantity) return SmoothPart::kItself;
-  const unlatch::Quantity& quantity = model.quantities[at(r.a)];
-  if (get_traits(quantity.kind).values == QuantityValues::kQuaternion && quantity.part == unlatch::Quantity::kSize)
-    return SmoothPart::kOfAngle;
-  return unlatch::is_size(quantity) ? SmoothPart::kSquare : SmoothPart::kItself;
+  return hil::find_smooth_part(model.quantities[at(r.a)]);
 }
 
 // The quantity that is a law and that the requirement is on, itself or by a sensor's true value; none.

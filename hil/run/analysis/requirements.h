@@ -12,6 +12,7 @@
 #include "hil/run/extremes/extreme_bounds.h"
 #include "hil/run/extremes/finer_steps.h"
 #include "hil/run/extremes/law_extremes.h"
+#include "hil/run/extremes/smooth_part.h"
 #include "hil/run/motion/clearance_history.h"
 #include "hil/run/motion/contact_history.h"
 #include "hil/run/motion/extreme.h"

@@ -35,6 +35,7 @@ ContactSeams::ContactSeams(const Simulation& simulation) : simulation_(simulatio
     watch(static_cast<int>(c), true);
     watch(static_cast<int>(c), false);
   }
+  std::ranges::stable_sort(pairs_, {}, &Pair::sphere);
 }
 
 void ContactSeams::watch(int contact, bool balls_are_base) {
@@ -42,48 +43,51 @@ void ContactSeams::watch(int contact, bool balls_are_base) {
   const Contact& own = model.contacts[at(contact)];
   const Surface &base = model.surfaces[at(own.base)], &follower = model.surfaces[at(own.follower)];
   const Surface &balls = balls_are_base ? base : follower, &other = balls_are_base ? follower : base;
-  if (other.shapes.size() < 2) return;
-  Watched watched{.contact = contact, .ball = balls.body, .surface = other.body, .pairs = {}};
   int number = -1;
   for (const auto& [i, k] : list_contact_pairs(model, own)) {
     ++number;
-    const int sphere = balls_are_base ? i : k;
-    const geometry::Shape &ball = balls.shapes[at(sphere)], &shape = other.shapes[at(balls_are_base ? k : i)];
+    const geometry::Shape &ball = balls.shapes[at(balls_are_base ? i : k)],
+                          &shape = other.shapes[at(balls_are_base ? k : i)];
     using enum geometry::ShapeKind;
-    if (ball.kind == kSphere && shape.kind != kSphere)
-      watched.pairs.push_back(
-          {number, sphere, geometry::build_group("", {&ball, 1}), geometry::build_group("", {&shape, 1})});
+    if (ball.kind != kSphere || shape.kind == kSphere) continue;
+    pairs_.push_back({contact,
+                      number,
+                      {balls.body, other.body, ball.from.x, ball.from.y, ball.from.z, ball.radius},
+                      geometry::build_group("", {&ball, 1}),
+                      geometry::build_group("", {&shape, 1})});
   }
-  std::ranges::stable_sort(watched.pairs, {}, &Pair::sphere);
-  if (watched.pairs.size() > 1) watched_.push_back(std::move(watched));
+}
+
+void ContactSeams::add(const Pair& shallow, double part) {
+  const auto own = std::ranges::find(found_, shallow.contact, &ContactSeam::contact);
+  if (own == found_.end())
+    found_.push_back({shallow.contact, part});
+  else
+    own->part = std::max(own->part, part);
 }
 
 std::span<const ContactSeam> ContactSeams::update() {
   found_.clear();
-  for (const Watched& watched : watched_) {
-    const std::span<const ContactState> states =
-        get_contact_pairs(simulation_.plan(), simulation_.state(), watched.contact);
-    const auto is_closed = [&](const Pair& pair) { return states[at(pair.number)].closed != 0; };
-    double part = 0;
-    for (auto a = watched.pairs.begin(); a != watched.pairs.end(); ++a)
-      for (auto b = a + 1; b != watched.pairs.end() && b->sphere == a->sphere; ++b) {
-        if (!is_closed(*a) || !is_closed(*b)) continue;
-        const geometry::Placement ball = get_placement(simulation_.state(), watched.ball),
-                                  surface = get_placement(simulation_.state(), watched.surface);
-        const geometry::Distance of_a = geometry::calc_distance(a->ball, ball, a->surface, surface).least,
-                                 of_b = geometry::calc_distance(b->ball, ball, b->surface, surface).least;
-        if (!(of_a.distance < 0 && of_b.distance < 0) || dot(of_a.normal, of_b.normal) < kOneNormal) continue;
-        const auto lies_on = [&](const Vec3& point, const Pair& pair) {
-          return geometry::calc_distance(point_, {point, kIdentity3}, pair.surface, surface).least.distance <
-                 kOnSurface;
-        };
-        const Pair& shallow = of_a.distance > of_b.distance ? *a : *b;
-        const Vec3& witness = &shallow == &*a ? of_a.on_b : of_b.on_b;
-        if (lies_on(witness, &shallow == &*a ? *b : *a))
-          part = std::max(part, std::max(of_a.distance, of_b.distance) / std::min(of_a.distance, of_b.distance));
-      }
-    if (part > 0) found_.push_back({watched.contact, part});
-  }
+  const Plan& plan = simulation_.plan();
+  const State& state = simulation_.state();
+  const auto is_closed = [&](const Pair& pair) {
+    return get_contact_pairs(plan, state, pair.contact)[at(pair.number)].closed != 0;
+  };
+  for (auto a = pairs_.begin(); a != pairs_.end(); ++a)
+    for (auto b = a + 1; b != pairs_.end() && b->sphere == a->sphere; ++b) {
+      if (!is_closed(*a) || !is_closed(*b)) continue;
+      const geometry::Placement ball = get_placement(state, a->sphere.body),
+                                surface = get_placement(state, a->sphere.surface);
+      const geometry::Distance of_a = geometry::calc_distance(a->ball, ball, a->surface, surface).least,
+                               of_b = geometry::calc_distance(b->ball, ball, b->surface, surface).least;
+      if (!(of_a.distance < 0 && of_b.distance < 0) || dot(of_a.normal, of_b.normal) < kOneNormal) continue;
+      const bool a_is_deep = of_a.distance < of_b.distance;
+      const Pair &deep = a_is_deep ? *a : *b, &shallow = a_is_deep ? *b : *a;
+      const geometry::Distance &most = a_is_deep ? of_a : of_b, &least = a_is_deep ? of_b : of_a;
+      const geometry::Placement witness{least.on_b, kIdentity3};
+      if (geometry::calc_distance(point_, witness, deep.surface, surface).least.distance < kOnSurface)
+        add(shallow, least.distance / most.distance);
+    }
   return found_;
 }
 

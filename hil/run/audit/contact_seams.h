@@ -4,6 +4,7 @@
 // of contact lies on the other wall. Looked at where steps end.
 #pragma once
 
+#include <compare>
 #include <span>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace unlatch::hil {
 
 struct ContactSeam {
-  int contact = 0;  // in the model
+  int contact = 0;  // in the model: that of the shape that adds its force
   double part = 0;  // depth of the shape that adds its force, as a part of the other's
 };
 
@@ -24,22 +25,24 @@ class ContactSeams {
   std::span<const ContactSeam> update();
 
  private:
+  // A pair of a contact: a sphere, and a shape of another kind of the other body.
   struct Pair {
-    int number = 0;                      // among the pairs of the contact
-    int sphere = 0;                      // among the shapes of its surface
+    int contact = 0, number = 0;  // in the model; among the pairs of the contact
+    // The sphere, whichever contact it is of, and the body that it may touch with several shapes.
+    struct Sphere {
+      int body = kGround, surface = kGround;  // `surface`: the other body
+      double x = 0, y = 0, z = 0, radius = 0;
+      auto operator<=>(const Sphere&) const = default;
+    };
+    Sphere sphere;
     geometry::ShapeGroup ball, surface;  // one shape each
   };
-  // A contact of spheres of one of its surfaces with several shapes of the other.
-  struct Watched {
-    int contact = 0;
-    int ball = kGround, surface = kGround;  // bodies
-    std::vector<Pair> pairs;
-  };
   void watch(int contact, bool balls_are_base);
+  void add(const Pair& shallow, double part);
 
   const Simulation& simulation_;
   geometry::ShapeGroup point_;  // where two shapes are asked for a point of contact
-  std::vector<Watched> watched_;
+  std::vector<Pair> pairs_;     // those of one sphere follow one another
   std::vector<ContactSeam> found_;
 };
 

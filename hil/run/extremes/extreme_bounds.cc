@@ -18,22 +18,6 @@ constexpr double kBeyond = 8;  // times what six knots span: a polynomial throug
 // Part of an extreme to which it is to be known; one that is small counts as this part of the largest value.
 constexpr double kFine = 1e-4, kFloor = 1e-4;
 
-}  // namespace
-
-double to_smooth(SmoothPart part, double value) {
-  if (part == SmoothPart::kSquare) return value * value;
-  const double sine = std::sin(0.5 * value);
-  return part == SmoothPart::kOfAngle ? 2 * sine * sine : value;
-}
-
-double from_smooth(SmoothPart part, double smooth) {
-  if (part == SmoothPart::kItself) return smooth;
-  const double positive = std::max(smooth, 0.0);
-  return part == SmoothPart::kSquare ? std::sqrt(positive) : 2 * std::asin(std::min(1.0, std::sqrt(0.5 * positive)));
-}
-
-namespace {
-
 void take_smallest(ExtremeBounds::Bound& bound, double time, double value) {
   bound.least = std::min(bound.least, value);
   bound.most = std::min(bound.most, value);

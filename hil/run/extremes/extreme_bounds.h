@@ -18,12 +18,6 @@
 
 namespace unlatch::hil {
 
-// What of a quantity is smooth, and goes with it: itself; the square of a vector's size, which has a corner at zero; of
-// an angle between 0 and half a turn, which has one at either end, 1 - cos of it.
-enum class SmoothPart { kItself, kSquare, kOfAngle };
-double to_smooth(SmoothPart part, double value);
-double from_smooth(SmoothPart part, double smooth);
-
 // A knot; `begins`: it does not continue the curve before smoothly.
 struct ValueKnot {
   double time = 0, value = 0;

@@ -29,6 +29,12 @@ bool goes_on(const SampledCurve& curve, double time, double value) {
   return is_alike(value, expected);
 }
 
+// Of what is smooth of a quantity, its own; each part rises with the quantity.
+Course from_smooth(SmoothPart part, const Course& smooth) {
+  return {hil::from_smooth(part, smooth.begin), hil::from_smooth(part, smooth.middle),
+          hil::from_smooth(part, smooth.end), hil::from_smooth(part, smooth.low), hil::from_smooth(part, smooth.high)};
+}
+
 // Middle of the range of an angle that has come from one end to the other, rad; none for angles that have no such
 // range.
 std::optional<double> find_middle(double from, double to) {
@@ -49,6 +55,7 @@ LawCurve::LawCurve(const Model& model, const Plan& plan, int law)
       if (quantity.kind == unlatch::Quantity::Kind::kLaw || is_known) continue;
       read_.push_back({.quantity = step.subject,
                        .is_angle = get_unit(model, quantity) == "rad",
+                       .part = find_smooth_part(quantity),
                        .traits = &get_traits(quantity.kind)});
     }
 }
@@ -58,7 +65,8 @@ bool LawCurve::begins_anew(std::span<const double> now, double next_time, std::s
     const double value = now[at(read.quantity)];
     if (read.traits->holds) return value != read.latest;
     return is_straight(*read.traits) &&
-           (!is_alike(value, read.latest) || !goes_on(read.curve, next_time, next[at(read.quantity)]));
+           (!is_alike(value, read.latest) ||
+            !goes_on(read.curve, next_time, to_smooth(read.part, next[at(read.quantity)])));
   });
 }
 
@@ -83,7 +91,7 @@ void LawCurve::add(double time, std::span<const double> quantities, std::span<co
     read.latest = value;
     if (skips) continue;
     if (replaces) read.curve.drop_latest();
-    read.curve.add(time, value + read.turned, begins);
+    read.curve.add(time, to_smooth(read.part, value + read.turned), begins);
     if (!begins) read.usual.add(read.curve.get_times(), read.curve.get_values());
   }
   if (skips) return;
@@ -114,10 +122,14 @@ void LawCurve::follow(const LawCurve& other) {
   follows_ = true;
 }
 
+Course LawCurve::Read::calc_smooth_course(double from, double to, double off) const {
+  const auto calc = [&](double time) { return stencil->calc(time).value + off * calc_uncertainty(time); };
+  return Course::of_parabola(calc(from), calc(0.5 * (from + to)), calc(to));
+}
+
 // Of an angle, within its range: where it goes on at the other end in between, it may be anything there.
 Course LawCurve::Read::calc_course(double from, double to, double off) const {
-  const auto calc = [&](double time) { return stencil->calc(time).value + off * calc_uncertainty(time); };
-  const Course whole = Course::of_parabola(calc(from), calc(0.5 * (from + to)), calc(to));
+  const Course whole = from_smooth(part, calc_smooth_course(from, to, off));
   if (!middle) return whole;
   const auto count_turns = [&](double angle) { return std::nearbyint((angle - *middle) / kTurn); };
   const auto wrap = [&](double angle) { return angle - kTurn * count_turns(angle); };
@@ -128,8 +140,8 @@ Course LawCurve::Read::calc_course(double from, double to, double off) const {
 
 double LawCurve::Read::calc_uncertainty(double time) const {
   if (is_exact()) return 0;
-  const double part = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
-  return bulge > 0 ? bulge * 4 * part * (1 - part) : stencil->calc(time).uncertainty;
+  const double passed = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
+  return bulge > 0 ? bulge * 4 * passed * (1 - passed) : stencil->calc(time).uncertainty;
 }
 
 // The law and its bounds from one time to another, what it reads being a parabola through the three instants.
@@ -175,9 +187,10 @@ LawCurve::Wide LawCurve::calc_wide(const Interval& interval) {
     Course& course = quantities_[at(read.quantity)];
     course = read.calc_course(interval.from, interval.to, 0);
     const double off = kAside * read.calc_uncertainty(middle);
-    is_off = is_off || off > kPart * (course.high - course.low);
-    course.low -= off;
-    course.high += off;
+    const double low = to_smooth(read.part, course.low), high = to_smooth(read.part, course.high);
+    is_off = is_off || off > kPart * (high - low);
+    course.low = std::min(course.low, from_smooth(read.part, low - off));
+    course.high = std::max(course.high, from_smooth(read.part, high + off));
   }
   courses_.update(behind_, interval.commands, quantities_);
   return {courses_.get(law_), is_off};

@@ -1,7 +1,8 @@
 // LawCurve: a quantity that is a law, between knots, from the quantities that the law reads.
 //
 // A law may have corners where what it reads has none: abs(x), max(x, y), a table. So it is not interpolated itself:
-// what it reads follows the polynomial through the latest five knots (ValueStencil), and the law is evaluated there.
+// what is smooth of what it reads (SmoothPart: of the size of a vector its square) follows the polynomial through the
+// latest five knots (ValueStencil), and the law is evaluated there.
 // Its smallest value is searched by bisection where the bounds of the law (LawCourses) admit a smaller one than is
 // known, down to 1/64 of the interval, and from there by golden section.
 //
@@ -21,6 +22,7 @@
 #include <span>
 #include <vector>
 
+#include "hil/run/extremes/smooth_part.h"
 #include "hil/run/extremes/straight_quantity.h"
 #include "hil/run/extremes/usual_change.h"
 #include "hil/run/extremes/value_stencil.h"
@@ -97,19 +99,22 @@ class LawCurve {
 
   struct Read {
     int quantity;
-    bool is_angle;  // goes on at the other end of its range, of one turn; the curve counts turns
+    bool is_angle;    // goes on at the other end of its range, of one turn; the curve counts turns
+    SmoothPart part;  // that the curve, its stencil, what is usual and the bulge are of
     const QuantityTraits* traits = nullptr;
     SampledCurve curve{};
     UsualChange usual{};
-    double latest = 0;
+    double latest = 0;                      // the value itself
     double turned = 0;                      // rad, of the curve beyond the range
     std::optional<double> middle{};         // of the range, rad, where it has come to its ends
     std::optional<ValueStencil> stencil{};  // of the interval that is searched
     double bulge = 0;                       // between two knots alone, how far it may be from the line between them
     // Whether it is a straight line between its knots.
     [[nodiscard]] bool is_exact() const { return is_straight(*traits) || traits->holds; }
-    // Between these two times, if it is off by so much.
+    // Between these two times, if its smooth part is off by so many times its uncertainty.
     [[nodiscard]] Course calc_course(double from, double to, double off) const;
+    // What is smooth of it, there.
+    [[nodiscard]] Course calc_smooth_course(double from, double to, double off) const;
     [[nodiscard]] double calc_uncertainty(double time) const;
   };
   int law_;

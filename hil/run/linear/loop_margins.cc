@@ -273,6 +273,28 @@ bool is_stable(const OpenLoop& loop, const std::vector<Sample>& samples) {
   return std::abs(turned - whole) < pi / 2;
 }
 
+// The least delay beside the loop's own with which a stable sampled loop no longer is, s; `estimate`: that by the
+// phase, as if a delay did nothing but turn it. Between samples a delay also moves the command's hold, so that it is
+// searched for: in eighths of the estimate up to twice it, then by bisection. None if the loop stays stable.
+std::optional<double> find_delay_margin(const Plant& plant, const LoopRequest& request, double estimate) {
+  constexpr int kParts = 8, kBisections = 40;
+  const auto stays = [&](double more) {
+    const OpenLoop loop(plant, request.period, request.delay + more);
+    return is_stable(loop, sample(loop));
+  };
+  double low = 0, high = 0;
+  for (int i = 1; high == 0 && i <= 2 * kParts; ++i) {
+    const double more = estimate * i / kParts;
+    (stays(more) ? low : high) = more;
+  }
+  if (high == 0) return {};
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (low + high);
+    (stays(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 // A crossing between two frequencies, to its last bits; nothing if the function jumps there.
 template <class Function>
 std::optional<double> find_zero(const OpenLoop& loop, double low, double high, const Function& function) {
@@ -370,6 +392,10 @@ LoopMargins calc_margins(const LinearSystem& system, const LoopRequest& request)
     }
     if (std::signbit(calc_phase(a.open)) != std::signbit(calc_phase(b.open)) && b.open.real() < 0)
       if (const std::optional<double> w = find_zero(loop, a.w, b.w, calc_phase)) add_real(loop.calc(*w).real(), *w);
+  }
+  if (request.period > 0 && margins.stable && margins.delay) {
+    const std::optional<double> delay = find_delay_margin(plant, request, margins.delay->value);
+    margins.delay = delay ? std::optional(LoopMargins::At{*delay, margins.delay->frequency}) : std::nullopt;
   }
   // The two ends, where L is real. At 0 it has a value if no pole is there.
   double free = 0;

@@ -351,6 +351,17 @@ TEST(Contacts, ABallThatTwoShapesOfOneSurfacePushIsUnresolvedAndOneBetweenTwoWal
     EXPECT_TRUE(notice->unresolved);
     EXPECT_FALSE(run.judge("force").is_resolved());
   }
+  // The same two boxes, each with a contact of its own.
+  std::string apart = build_rolling_over(build_box(-0.5, 1, "") + ", " + build_box(0.5, 1, ""));
+  apart.replace(apart.find("group: floor"), 12, "name: left");
+  apart.replace(apart.find("group: floor"), 12, "name: right");
+  const std::string contact = "between: [ground.floor, ball], stiffness: 200 kN/m, damping: 1 s/m}";
+  apart.replace(
+      apart.find(contact), contact.size(),
+      "between: [ground.left, ball], stiffness: 200 kN/m, damping: 1 s/m}\n  d: {between: [ground.right, ball], "
+      "stiffness: 200 kN/m, damping: 1 s/m}");
+  EXPECT_TRUE(find_notice(AnalysedRun(apart), "seam").has_value());
+
   const AnalysedRun one(build_rolling_over(build_box(0, 2, "")));
   EXPECT_FALSE(find_notice(one, "seam").has_value());
   EXPECT_TRUE(one.judge("force").is_resolved());

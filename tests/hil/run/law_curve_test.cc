@@ -181,5 +181,37 @@ TEST(LawCurve, NeitherKnotsNorDipsBesideItsIntervalCount) {
   EXPECT_NEAR(peak.value, kSpeed * (kCrossing - 0.2), kExact);
 }
 
+// The size of an acceleration has all but a corner where one of its two sines vanishes: least 0.01 m/s2, beside 4 at
+// most.
+TEST(LawCurve, WhatAnExpressionMakesOfTheSizeOfAVectorThatAllButVanishesIsRightOrSaysHowFarItIsOff) {
+  const auto judge = [](const std::string& dt, const std::string& law) {
+    return AnalysedRun(R"(unlatch: 1
+name: sizes
+step: {dt: )" + dt +
+                       R"(, until: 400 ms}
+bodies:
+  a: {mass: 1 kg, inertia: [1, 1, 1]}
+elements:
+  x: {type: force, body: a, frame: world, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 4 N, frequency: 37 rad/s, phase: 0.2}]}}
+  y: {type: force, body: a, frame: world, direction: [0, 1, 0], profile: {harmonic: [{amplitude: 0.01 N, frequency: 37 rad/s, phase: 1.7707963}]}}
+quantities:
+  q: {acceleration: {body: a}}
+requirements:
+  - {id: r, expression: ')" +
+                       law +
+                       R"(', at_least: -1}
+)")
+        .judge("r");
+  };
+  for (const std::string dt : {"10 ms", "5 ms", "2 ms"})
+    for (const auto& [law, truth] : {std::pair<std::string, double>{"2 * q / (1 m/s2)", 0.02},
+                                     {"max(q / (1 m/s2), 0)", 0.01},
+                                     {"q / (1 m/s2 + q)", 0.01 / 1.01}}) {
+      const hil::Verdict verdict = judge(dt, law);
+      EXPECT_NEAR(verdict.value, truth, std::max(verdict.uncertainty, 1e-3 * truth)) << dt << " " << law;
+      EXPECT_LT(verdict.value, 1.5 * truth) << dt << " " << law;
+    }
+}
+
 }  // namespace
 }  // namespace unlatch::test::law_curve_test

@@ -236,6 +236,17 @@ elements:
                     roots = abs(self.calc_roots(k, d, mass, period, delay, loop[name]["value"]))
                     self.assertLess(min(abs(roots - 1)), 1e-7, (name, k, d, period, delay))
 
+    # The hold between samples moves with the command, so that the phase margin over its frequency is not the delay (by up to a fifth).
+    def test_a_sampled_loop_bears_its_delay_margin_and_no_more(self):
+        self.write_mass(3.5748, extra="  s: {type: joint_spring, joint: rail, axis: x, stiffness: 755.4732, damping: 0.7398, implicit: false}\n")
+        text, period = "f=949.689*sensor.x+55.956*sensor.v", 0.04194
+        for delay in (0, 0.005):
+            margin = self.linearize("--loop", text, "--period", str(period), "--delay", str(delay))["loops"][0]["delay"]["value"]
+            self.assertAlmostEqual(delay + margin, 0.0174224, delta=1e-6)
+            for factor, stable in ((0.999, True), (1.001, False)):
+                again = self.linearize("--loop", text, "--period", str(period), "--delay", repr(delay + factor * margin))["loops"][0]
+                self.assertEqual(again["stable"], stable, (delay, factor))
+
     def test_a_long_delay_is_exact_and_what_cannot_be_resolved_is_refused(self):
         self.write_mass()
         # v' = -(3/2) v(t - d): stable below d = pi/2 / 1.5, a factor of 1.5 at most by Padé's approximation
