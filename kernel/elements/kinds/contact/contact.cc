@@ -63,6 +63,22 @@ void write_totals(const ContactTotals& totals, std::span<double> auxiliary, cons
   std::copy(numbers.begin(), numbers.end(), auxiliary.begin() + contact.auxiliary);
 }
 
+// Speed of the slip of a contact, m/s: of its closed pairs the mean weighted by F_n; where they have no force, as at
+// the instant of a touch, the plain mean.
+class SlipMean {
+ public:
+  void add(double normal, double slip) {
+    weight_ += normal;
+    weighted_ += normal * slip;
+    sum_ += slip;
+    count_ += 1;
+  }
+  [[nodiscard]] double get() const { return weight_ > 0 ? weighted_ / weight_ : count_ > 0 ? sum_ / count_ : 0; }
+
+ private:
+  double weight_ = 0, weighted_ = 0, sum_ = 0, count_ = 0;
+};
+
 }  // namespace
 
 void add_impulse_rate(const PlanContact& contact, double force, double slip, double loss, Evaluation& ev) noexcept {
@@ -275,7 +291,8 @@ void ContactKind::add_forces(const Instant& now, const PlanContact& contact, dou
   const PlanData& plan = now.plan;
   const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
   const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
-  double weight = 0, slip = 0, loss = 0;
+  double force = 0, loss = 0;
+  SlipMean slip;
   for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
     if (now.state.contacts[i].closed == 0) continue;
     const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
@@ -284,11 +301,11 @@ void ContactKind::add_forces(const Instant& now, const PlanContact& contact, dou
     ev.closed_pairs[i] = {f.point, distance.normal, f.slip_velocity, -distance.distance, f.rate};
     push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
     push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
-    weight += f.normal;
-    slip += f.normal * f.slip;
+    force += f.normal;
+    slip.add(f.normal, f.slip);
     loss += f.calc_loss();
   }
-  write_totals({weight, weight > 0 ? slip / weight : 0, loss}, ev.auxiliary.rate, contact);
+  write_totals({force, slip.get(), loss}, ev.auxiliary.rate, contact);
 }
 
 void ContactKind::add_energy(const StageMotion& motion, const PlanContact& contact, std::size_t, EnergySum& sum) {
@@ -399,6 +416,7 @@ ContactReading read_contact(const PlanData& plan, const State& state, double sca
                             std::span<const Vec3> rigid_frictions) {
   ContactReading out;
   Vec3 point{0, 0, 0};
+  SlipMean slip;
   for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
     if (state.contacts[i].closed == 0) continue;
     const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
@@ -417,14 +435,12 @@ ContactReading read_contact(const PlanData& plan, const State& state, double sca
     out.normal += f.normal;
     out.friction += f.friction;
     out.stiffness += f.stiffness;
-    out.slip += f.normal * f.slip;
+    slip.add(f.normal, f.slip);
     out.force += f.force;
     point += f.normal * f.point;
   }
-  if (out.normal > 0) {
-    out.point = (1 / out.normal) * point;
-    out.slip /= out.normal;
-  }
+  if (out.normal > 0) out.point = (1 / out.normal) * point;
+  out.slip = slip.get();
   return out;
 }
 
