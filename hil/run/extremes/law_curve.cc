@@ -141,7 +141,10 @@ Course LawCurve::Read::calc_course(double from, double to, double off) const {
 double LawCurve::Read::calc_uncertainty(double time) const {
   if (is_exact()) return 0;
   const double passed = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
-  return bulge > 0 ? bulge * 4 * passed * (1 - passed) : stencil->calc(time).uncertainty;
+  if (bulge > 0) return bulge * 4 * passed * (1 - passed);
+  const auto [smooth, uncertainty] = stencil->calc(time);
+  // A square below zero is wrong by as much, and may be by twice that.
+  return part == SmoothPart::kItself ? uncertainty : std::max(uncertainty, -2 * smooth);
 }
 
 // The law and its bounds from one time to another, what it reads being a parabola through the three instants.
@@ -245,15 +248,17 @@ void LawCurve::search(const Interval& interval, std::size_t number, double sign,
         found.is_unknown || (times.size() == 2 && !follows_ && !read.is_exact() && !read.usual.is_known());
   }
   const auto [wide, is_off] = calc_wide(interval);
-  const double middle = sign * wide.middle, known = std::min(found.value.get_value(), middle);
+  const double middle = sign * wide.middle, before = found.value.get_value(), known = std::min(before, middle);
   const auto get_bound = [sign](const Course& course) { return sign > 0 ? course.low : -course.high; };
   const double size = std::max({std::abs(wide.begin), std::abs(wide.middle), std::abs(wide.end)});
   size_ = std::max(size_, size);
-  if (get_bound(wide) >= known - kGain * size) return found.take(0.5 * (interval.from + interval.to), middle);
+  const bool may_be_wrong = is_off && middle < before;
+  if (get_bound(wide) >= known - kGain * size && !may_be_wrong)
+    return found.take(0.5 * (interval.from + interval.to), middle);
   left_ = kMostEvaluations;
   look(interval, interval.from, interval.to, sign, 0, found.value);
   const double value = found.value.get_value();
-  if (is_off && get_bound(wide) < known - calc_room(value))
+  if (is_off && get_bound(wide) < before - calc_room(value))
     doubt(interval, sign, found);
   else
     found.most = std::min(found.most, value);

@@ -43,7 +43,9 @@ void LawExtremes::search(End end, const FinerSource& finer) {
     here.value = own.value;
     ends ? curve_.finish(extreme, here) : curve_.search(extreme, here);
     const double least = std::min(here.least, here.unsearched), found = here.value.get_value();
-    const bool matters = here.is_unknown || (least < own.value.get_value() && found - least > curve_.calc_room(found));
+    const double known = own.value.get_value(), room = curve_.calc_room(found);
+    const bool matters =
+        here.is_unknown || (least < known && found - least > room) || (found < known && here.most - found > room);
     if (matters) refine(span, extreme, finer, own.value, here);
     own.value = here.value;
     own.least = std::min(own.least, here.least);
