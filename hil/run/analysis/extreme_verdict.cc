@@ -26,7 +26,7 @@ Range find_range(const Requirement& requirement, const FoundExtremes& found, boo
   return is_low ? least : most;
 }
 
-// What the value may be between two knots that alone tell it, if it changes there as it has elsewhere; `within`: what
+// What the value may be where it is known from two knots alone, if it changes there as it has elsewhere; `within`: what
 // it may be by the bounds. The same range if no two knots do.
 Range find_unsearched_range(const Requirement& requirement, const FoundExtremes& found, bool is_low, Range within) {
   const double low = from_smooth(found.part, std::min(found.least.unsearched, found.least.least));

@@ -18,8 +18,8 @@ struct FoundExtremes {
 };
 
 // Sets the verdict's uncertainty. The verdict is unresolved if that is more than kKnown allows, or if the limit is
-// within what the value may be; of a value that two knots alone tell, as between commands that change at each tick,
-// what it may be if it changes between them as it has elsewhere. `dt`: the step of the run, s.
+// within what the value may be; of a value that is known from two knots alone, as between commands that change at each
+// tick, what it may be if it changes between them as it has elsewhere. `dt`: the step of the run, s.
 void judge_extreme(const Requirement& requirement, const FoundExtremes& found, double dt, Verdict& verdict);
 
 }  // namespace unlatch::hil

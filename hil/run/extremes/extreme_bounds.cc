@@ -9,8 +9,8 @@
 namespace unlatch::hil {
 namespace {
 
-// Knots that hardly tell how wrong a polynomial through them is; by how many times their usual change it may be, for
-// that a step is taken again.
+// Knots from which the error of a polynomial through them is hardly known; by how many times their usual change it may
+// be, for that a step is taken again.
 constexpr std::size_t kFewKnots = 4;
 constexpr double kSure = 2;
 constexpr int kLooks = 8;      // of an interval, at whose ends the polynomial is evaluated
@@ -137,7 +137,7 @@ void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
   if (!(beyond > 0) || !(may_be_low || may_be_high) || leaves_out(interval)) return;
   const ValueTerms terms({times_, count_}, {values_, count_}, interval);
   bool changes_low = may_be_low, changes_high = may_be_high;
-  if (count_ == kPoints) {  // fewer knots hardly tell how wrong their polynomial is
+  if (count_ == kPoints) {  // of fewer knots the polynomial's error is hardly known
     const double departure = terms.calc_most_departure();
     changes_low = may_be_low && !(low - departure >= get_greatest(low_));
     changes_high = may_be_high && !(-high - departure >= get_greatest(high_));
@@ -149,7 +149,7 @@ void ExtremeBounds::search(std::size_t interval, FinerValues* finer) {
 }
 
 void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side side) const {
-  // Few knots hardly tell how wrong they are.
+  // Of few knots the polynomial's error is hardly known.
   if (count_ <= kFewKnots && !is_within_) {
     const double from = stencil.get_at_from(), to = stencil.get_at_to(), h = stencil.get_to() - stencil.get_from();
     const double end = std::min(side.sign * from, side.sign * to);

@@ -9,9 +9,9 @@
 // - r⁴ times the distance to what goes on from one side, the nearer of the parabolas through three knots before and
 //   three behind (beside the ends of a run, times the term of the second order). Where differences do not fall, at a
 //   corner or a dip shorter than the steps, nothing better is known.
-// Fewer than six knots tell r badly. Of these u is at least the term of the next order, as if its difference were as
-// large as the greatest of the two orders before.
-// At knots u is 0. Of two knots alone it is not known, and 0 here.
+// From fewer than six knots r is badly known. Of these u is at least the term of the next order, as if its difference
+// were as large as the greatest of the two orders before. At knots u is 0. Of two knots alone it is not known, and 0
+// here.
 #pragma once
 
 #include <cstddef>

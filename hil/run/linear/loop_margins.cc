@@ -275,7 +275,8 @@ bool is_stable(const OpenLoop& loop, const std::vector<Sample>& samples) {
 
 // The least delay beside the loop's own with which a stable sampled loop no longer is, s; `estimate`: that by the
 // phase, as if a delay did nothing but turn it. Between samples a delay also moves the command's hold, so that it is
-// searched for: in eighths of the estimate up to twice it, then by bisection. None if the loop stays stable.
+// searched for: in eighths of the estimate up to twice it, then by bisection. None if the loop stays stable up to
+// there.
 std::optional<double> find_delay_margin(const Plant& plant, const LoopRequest& request, double estimate) {
   constexpr int kParts = 8, kBisections = 40;
   const auto stays = [&](double more) {

@@ -44,7 +44,8 @@ struct LoopMargins {
   std::optional<At> gain;   // factor above 1 that the loop's gain may grow by
   std::optional<At> drop;   // factor below 1 that it may fall to
   std::optional<At> phase;  // rad
-  // s, beside the loop's own. Of a stable sampled loop the least that makes it unstable; else by the phase.
+  // s, beside the loop's own. Of a stable sampled loop the least that makes it unstable, absent beyond twice the phase
+  // over its frequency; else by the phase.
   std::optional<At> delay;
 };
 // Throws LinearizationError: no such input or output; a period or a delay that is out of range, or so long beside the

@@ -1,4 +1,4 @@
-// Poles of a linear model, each with a bound on its error, so that what is 0 is told from what is slow.
+// Poles of a linear model, each with a bound on its error, which distinguishes what is 0 from what is slow.
 //
 // To the first order an error E of A moves a simple pole by wᴴ E v / wᴴ v, with its right and left eigenvectors v and w
 // (Golub & Van Loan, Matrix Computations, 4th ed., 7.2.2). m poles at 0 that belong to one chain of motions, as the
@@ -15,7 +15,7 @@ namespace unlatch::hil {
 struct Pole {
   std::complex<double> value;  // 1/s
   double error;                // 1/s, estimated
-  // Not distinct from 0: a free motion, or one that is slower than the model can tell.
+  // Not distinct from 0: a free motion, or one that is slower than the model's errors let it distinguish.
   [[nodiscard]] bool is_at_zero() const { return std::abs(value) <= error; }
 };
 

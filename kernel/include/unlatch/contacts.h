@@ -14,7 +14,8 @@ namespace unlatch {
 // Totals of a contact since the start, integrated with the motion; they stand in State::auxiliary.
 struct ContactTotals {
   double impulse = 0;     // ∫ F_n dt, N s
-  double slip = 0;        // path of the slip while it is closed, of several pairs weighted by their F_n, m
+  double slip = 0;        // path of the slip while it is closed, of several pairs weighted by their F_n, of such
+                          // without force the plain mean, m
   double dissipated = 0;  // what damping and friction took, J
 };
 // Memory of the pairs of shapes of a contact.

@@ -185,7 +185,7 @@ void print_errors(std::FILE* out, const char* name, const std::vector<hil::Linea
 
 void print_poles(std::FILE* out, const hil::LinearSystem& system) {
   int still = 0;
-  double slowest = 0;  // 1/s: what is slower is not told from 0
+  double slowest = 0;  // 1/s: what is slower is not distinct from 0
   std::fprintf(out, "\npoles                          frequency      damping\n");
   for (const auto& [pole, error] : system.poles) {
     if (std::abs(pole) <= error) {
