@@ -388,7 +388,7 @@ void count_planet(const PlanData& plan, Work& work) {
   work[Unit::kPlanetWeights] = bodies;
   work[Unit::kPlanetTorques] = torques;
   if (planet.j2 != 0) work[Unit::kPlanetZonals] = bodies + torques;
-  if (planet.falling) work[Unit::kPlanetFalls] = bodies + torques;
+  if (planet.falling) work[Unit::kPlanetFalls] = 1;
 }
 
 using geometry::ShapeKind;

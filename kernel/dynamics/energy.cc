@@ -17,15 +17,15 @@ namespace {
 
 // T = ½ m |v_c|² + ½ w·J w with dm/dt, dc/dt and dJ/dt beside the motion that varying.h describes, and the power of its
 // jet damping.
-void add_varying_body(const PlanData& plan, double t, const Evaluation& ev, std::int32_t varying, const BodyFrame& body,
-                      const BodyKinematics& k, EnergySum& sum) {
+void add_varying_body(const PlanData& plan, const Vec3& origin, const Evaluation& ev, std::int32_t varying,
+                      const BodyFrame& body, const BodyKinematics& k, EnergySum& sum) {
   const PlanVarying& law = plan.varying[at(varying)];
   const VaryingBody& b = ev.varying[at(varying)];
   const double rate = law.by_burnt ? ev.auxiliary.rate[at(varying)] : 1;
   const Vec3 v = body.v + cross(k.w, b.centre);
   const Vec3 change = rotate(k.R, b.inertia_slope_B) * k.w;
   sum.add_body(b.mass, v, 0.5 * dot(k.w, k.J * k.w));
-  sum.push(PowerSource::kGravity, b.mass * calc_free_fall(plan, t, body.p + b.centre), v);
+  sum.push(PowerSource::kGravity, b.mass * calc_free_fall(plan, origin, body.p + b.centre), v);
   sum.push(PowerSource::kMass, b.mass * cross(k.w, k.R * (rate * b.centre_slope_B)), v);
   // ½ dm/dt |v|²: for another observer less dm/dt v per velocity, and dm/dt / 2 per its square
   const Vec3 seen = v - sum.frame;
@@ -39,10 +39,10 @@ void add_varying_body(const PlanData& plan, double t, const Evaluation& ev, std:
   sum.add(PowerSource::kMass, rate * dot(k.w, b.mass_slope * cross(r, cross(k.w, r)) - change));
 }
 
-void add_flexible_body(const PlanData& plan, const State& state, double t, const PlanFlexible& flexible,
+void add_flexible_body(const PlanData& plan, const State& state, const Vec3& origin, const PlanFlexible& flexible,
                        EnergySum& sum) {
   BodyState seen = state.bodies[at(flexible.body)];
-  const Vec3 g = calc_free_fall(plan, t, seen.p);
+  const Vec3 g = calc_free_fall(plan, origin, seen.p);
   const double* coordinates = state.auxiliary.data() + flexible.auxiliary;
   seen.v = seen.v - sum.frame;
   const Balance own = calc_flexible_balance(plan, flexible, seen, coordinates);
@@ -60,23 +60,24 @@ void add_flexible_body(const PlanData& plan, const State& state, double t, const
 }
 
 void add_bodies(const PlanData& plan, const State& state, double t, const Evaluation& ev, EnergySum& sum) {
+  const Vec3 origin = calc_origin_place(plan, t);
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const PlanBody& body = plan.bodies[b];
     if (body.flexible != kNone) {
       const PlanFlexible& flexible = plan.flexible[at(body.flexible)];
-      if (flexible.body == static_cast<int>(b)) add_flexible_body(plan, state, t, flexible, sum);
+      if (flexible.body == static_cast<int>(b)) add_flexible_body(plan, state, origin, flexible, sum);
       continue;
     }
     const BodyKinematics k = read_kinematics(ev, static_cast<int>(b));
     if (body.varying != kNone) {
-      add_varying_body(plan, t, ev, body.varying, get_body_frame(ev, static_cast<int>(b)), k, sum);
+      add_varying_body(plan, origin, ev, body.varying, get_body_frame(ev, static_cast<int>(b)), k, sum);
       continue;
     }
     const BodyState& s = state.bodies[b];
     sum.add_body(body.mass, s.v, 0.5 * dot(k.w, k.J * k.w));
-    sum.push(PowerSource::kGravity, body.mass * calc_free_fall(plan, t, s.p), s.v);
+    sum.push(PowerSource::kGravity, body.mass * calc_free_fall(plan, origin, s.p), s.v);
   }
-  if (plan.environment.exists) sum.add(PowerSource::kGravity, calc_gradient_power(plan, t, ev));
+  if (plan.environment.exists) sum.add(PowerSource::kGravity, calc_gradient_power(plan, origin, ev));
 }
 
 template <class Kind>

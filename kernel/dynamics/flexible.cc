@@ -285,7 +285,7 @@ void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) 
 //   force   m g − 2 w × s' − w × (w × s)
 //   torque  s × g − 2 (tr Q w − Qᵀ w),  Q = Σ m u u'ᵀ
 //   mode k  S_k·g − 2 w·Σ η'_l Σ m Φ_l × Φ_k − wᵀ P_k w + w² tr P_k − ω² η − 2 ζ ω η',  P_k = Σ m u Φ_kᵀ
-void add_flexible_forces(const PlanData& plan, double t, const Implicit& implicit, Evaluation& ev) noexcept {
+void add_flexible_forces(const PlanData& plan, const Vec3& origin, const Implicit& implicit, Evaluation& ev) noexcept {
   double* blocks = ev.blocks.data();
   for (const PlanFlexible& body : plan.flexible) {
     const Place place = ev.places[at(body.body)];
@@ -295,7 +295,7 @@ void add_flexible_forces(const PlanData& plan, double t, const Implicit& implici
     const std::size_t m = s.count_modes();
     const Mat3 R = read(blocks, place, &BodyLane::R);
     const Vec3 w = read(blocks, place, &BodyLane::motion).w;
-    const Vec3 g = transpose_times(R, calc_free_fall(plan, t, read(blocks, place, &BodyLane::motion).p));
+    const Vec3 g = transpose_times(R, calc_free_fall(plan, origin, read(blocks, place, &BodyLane::motion).p));
     const Vec3 moment = combine(s.momentum, c.eta), flow = combine(s.momentum, c.rate);
     Moment Q{};
     for (std::size_t k = 0; k < m; ++k) {

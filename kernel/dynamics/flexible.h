@@ -120,7 +120,7 @@ void update_flexible_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) noexcept;
 // Adds weight, centrifugal and Coriolis forces, stiffness and damping. The gyroscopic torque of the frame is among the
 // forces with which init_forces() begins.
-void add_flexible_forces(const PlanData& plan, double t, const Implicit& implicit, Evaluation& ev) noexcept;
+void add_flexible_forces(const PlanData& plan, const Vec3& origin, const Implicit& implicit, Evaluation& ev) noexcept;
 // Rates of the modal coordinates in ev.auxiliary, with the accelerations of the latest solution.
 void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept;
 // At the end of a stage of ROS2, see compliance.h: x' = v + γh a1 of the first, x' = v + γh (a2 − 2 a1) of the second.

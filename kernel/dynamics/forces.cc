@@ -69,9 +69,10 @@ void add_forces(const Instant& now, Evaluation& ev) noexcept {
   add_loads(plan, ev);
   if (plan.pair_forces) add_pair_forces(now, ev);
   if (plan.plain) return;
-  add_varying_forces(plan, now.t, ev);
-  add_flexible_forces(plan, now.t, now.implicit, ev);
-  if (plan.environment.exists) add_planet_forces(plan, now.t, ev);
+  const Vec3 origin = calc_origin_place(plan, now.t);
+  add_varying_forces(plan, origin, ev);
+  add_flexible_forces(plan, origin, now.implicit, ev);
+  if (plan.environment.exists) add_planet_forces(plan, origin, ev);
 }
 
 }  // namespace unlatch

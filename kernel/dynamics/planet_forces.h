@@ -6,10 +6,10 @@
 
 namespace unlatch {
 
-// Adds them to the bodies' forces.
-void add_planet_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
+// Adds them to the bodies' forces. `origin`: calc_origin_place() of the time.
+void add_planet_forces(const PlanData& plan, const Vec3& origin, Evaluation& ev) noexcept;
 
 // Power of the gradient's torques, W.
-double calc_gradient_power(const PlanData& plan, double t, const Evaluation& ev) noexcept;
+double calc_gradient_power(const PlanData& plan, const Vec3& origin, const Evaluation& ev) noexcept;
 
 }  // namespace unlatch

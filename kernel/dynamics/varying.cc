@@ -69,14 +69,14 @@ void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept {
   }
 }
 
-void add_varying_forces(const PlanData& plan, double t, Evaluation& ev) noexcept {
+void add_varying_forces(const PlanData& plan, const Vec3& origin, Evaluation& ev) noexcept {
   double* blocks = ev.blocks.data();
   for (std::size_t i = 0; i < plan.varying.size(); ++i) {
     const PlanVarying& law = plan.varying[i];
     const VaryingBody& body = ev.varying[i];
     const Place place = ev.places[at(law.body)];
     const Vec3 w = read(blocks, place, &BodyLane::w_W), p = read(blocks, place, &BodyLane::motion).p;
-    const Vec3 force = body.mass * (calc_free_fall(plan, t, p + body.centre) - cross(w, cross(w, body.centre)));
+    const Vec3 force = body.mass * (calc_free_fall(plan, origin, p + body.centre) - cross(w, cross(w, body.centre)));
     Vec3 torque = cross(body.centre, force);
     if (law.jet_damping) {
       const Mat3 R = read(blocks, place, &BodyLane::R);

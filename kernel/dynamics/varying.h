@@ -27,7 +27,7 @@ void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 
 // Adds weight, centrifugal force and jet damping to the bodies' forces, from ev.varying and the rate at which loads
 // burn, ev.auxiliary.rate. The gyroscopic torque is among the forces with which init_forces() begins.
-void add_varying_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
+void add_varying_forces(const PlanData& plan, const Vec3& origin, Evaluation& ev) noexcept;
 
 // Adds the mass to the solver's blocks, which begin with the inertia about the centre of mass.
 void add_varying_blocks(const PlanData& plan, Evaluation& ev) noexcept;

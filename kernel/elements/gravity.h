@@ -25,10 +25,16 @@ inline Vec3 calc_gravity(const GravityField& field, const Vec3& p) {
 // Air and wind of a plan.
 inline AirAround get_air(const PlanData& plan) { return {{plan.air_layers, plan.air_knots}, plan.wind_knots}; }
 
-// All of it, at the point p of W at the time t.
-inline Vec3 calc_free_fall(const PlanData& plan, double t, const Vec3& p) {
+// W's origin from the planet's centre at the time t, m; zero without a planet. Falling, it takes Kepler's equation:
+// once for all that is evaluated at that time.
+inline Vec3 calc_origin_place(const PlanData& plan, double t) {
+  return plan.environment.exists ? calc_origin(plan.environment.planet, t).r : Vec3{0, 0, 0};
+}
+
+// All of it, at the point p of W, whose origin is at calc_origin_place().
+inline Vec3 calc_free_fall(const PlanData& plan, const Vec3& origin, const Vec3& p) {
   const Vec3 g = calc_gravity(plan.gravity, p);
-  return plan.environment.exists ? g + calc_planet_gravity(plan.environment.planet, t, p) : g;
+  return plan.environment.exists ? g + calc_planet_gravity(plan.environment.planet, origin, p) : g;
 }
 
 }  // namespace unlatch

@@ -18,8 +18,8 @@ double get_zonal(const PlanPlanet& planet) { return -1.5 * planet.j2 * planet.mu
 
 }  // namespace
 
-Vec3 calc_planet_gravity(const PlanPlanet& planet, double t, const Vec3& p) noexcept {
-  const Vec3 o = calc_origin(planet, t).r, r = o + p;
+Vec3 calc_planet_gravity(const PlanPlanet& planet, const Vec3& o, const Vec3& p) noexcept {
+  const Vec3 r = o + p;
   const double distance = norm(r);
   Vec3 g = calc_central(planet, o, p, r, distance);
   if (planet.j2 != 0) {
@@ -30,8 +30,8 @@ Vec3 calc_planet_gravity(const PlanPlanet& planet, double t, const Vec3& p) noex
   return g;
 }
 
-Vec3 calc_gradient_torque(const PlanPlanet& planet, double t, const Vec3& p, const Sym3& J) noexcept {
-  const Vec3 r = calc_origin(planet, t).r + p;
+Vec3 calc_gradient_torque(const PlanPlanet& planet, const Vec3& o, const Vec3& p, const Sym3& J) noexcept {
+  const Vec3 r = o + p;
   const double distance = norm(r);
   const Vec3 up = (1 / distance) * r, own = cross(up, J * up);
   Vec3 torque = (3 * planet.mu / cube(distance)) * own;

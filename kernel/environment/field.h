@@ -17,10 +17,10 @@
 
 namespace unlatch {
 
-// Free fall at the point p, as W sees it; W, m/s².
-Vec3 calc_planet_gravity(const PlanPlanet& planet, double t, const Vec3& p) noexcept;
+// Free fall at the point p, as W sees it; W, m/s². W's origin is at o from the centre: OriginMotion::r at the time.
+Vec3 calc_planet_gravity(const PlanPlanet& planet, const Vec3& o, const Vec3& p) noexcept;
 
 // On a body with the inertia J about its centre of mass at p; world axes, N m.
-Vec3 calc_gradient_torque(const PlanPlanet& planet, double t, const Vec3& p, const Sym3& J) noexcept;
+Vec3 calc_gradient_torque(const PlanPlanet& planet, const Vec3& o, const Vec3& p, const Sym3& J) noexcept;
 
 }  // namespace unlatch

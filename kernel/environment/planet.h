@@ -35,9 +35,9 @@ PlanPlanet compile_planet(const Planet& planet);
 struct OriginMotion {
   Vec3 r, v;  // m, m/s
 };
-// At t. Falling, it follows an ellipse in f and g functions of the change of the eccentric anomaly, whose Kepler
-// equation is solved by Newton's steps within a bracket, at most kKeplerSteps of them. An error of the place, some
-// 1e-16 of the way since t = 0, is no force on the bodies: their field is the difference from the one there.
+// At t. Falling, it follows an ellipse in f and g functions of the change of the eccentric anomaly, for which Kepler's
+// equation is solved by at most kKeplerSteps steps; two, mostly. An error of the place, some 1e-16 of the way since
+// t = 0, is no force on the bodies: their field is the difference from the one there.
 inline constexpr int kKeplerSteps = 32;
 OriginMotion calc_origin(const PlanPlanet& planet, double t) noexcept;
 

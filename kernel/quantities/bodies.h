@@ -70,7 +70,8 @@ inline void calc_angular_acceleration(const Instant&, const Evaluation& ev, cons
 
 inline void calc_specific_force(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) {
   const Vec3 point = get_motion(ev, own.subject).p + read_kinematics(ev, own.subject).R * own.point;
-  put(out, calc_point_acceleration(ev, own.subject, own.point, calc_free_fall(now.plan, now.t, point)));
+  const Vec3 g = calc_free_fall(now.plan, calc_origin_place(now.plan, now.t), point);
+  put(out, calc_point_acceleration(ev, own.subject, own.point, g));
 }
 
 inline void calc_burnt(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) {

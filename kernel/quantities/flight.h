@@ -96,7 +96,7 @@ inline void calc_own_gravity(const Instant& now, const Evaluation& ev, const Pla
   const PlanPlanet& planet = now.plan.environment.planet;
   const Vec3 p = get_motion(ev, own.subject).p;
   const Vec3 o = calc_origin(planet, now.t).r;
-  Vec3 g = calc_free_fall(now.plan, now.t, p);
+  Vec3 g = calc_free_fall(now.plan, o, p);
   if (planet.falling) g -= (planet.mu / (dot(o, o) * norm(o))) * o;  // what W falls with
   put(out, g);
 }

@@ -158,7 +158,7 @@ TEST(Environment, GravityIsTheGradientOfItsPotential) {
     const PlanPlanet own = compile_planet(planet);
     for (int i = 0; i < 200; ++i) {
       const Vector3d at = 6.5e6 * random.uniform(1, 3) * draw_direction(random);
-      const Vec3 g = calc_planet_gravity(own, 0, {at.x(), at.y(), at.z()});
+      const Vec3 g = calc_planet_gravity(own, own.origin, {at.x(), at.y(), at.z()});
       for (int k = 0; k < 3; ++k) {
         const Vector3d h = 64 * Vector3d::Unit(k);
         const Long slope = (8 * (calc_potential(planet, at + h) - calc_potential(planet, at - h)) -
@@ -185,11 +185,11 @@ TEST(Environment, TheGradientTorqueIsThatOfTheWeightsOfItsParts) {
       Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
       for (int k = 0; k < 6; ++k) {
         const Vector3d r = (k < 3 ? 1 : -1) * arms[k % 3] * R.col(k % 3), p = at + r;
-        sum += kMass * r.cross(to_eigen(calc_planet_gravity(planet, 0, {p.x(), p.y(), p.z()}) -
-                                        calc_planet_gravity(planet, 0, {at.x(), at.y(), at.z()})));
+        sum += kMass * r.cross(to_eigen(calc_planet_gravity(planet, planet.origin, {p.x(), p.y(), p.z()}) -
+                                        calc_planet_gravity(planet, planet.origin, {at.x(), at.y(), at.z()})));
         J += kMass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
       }
-      const Vec3 torque = calc_gradient_torque(planet, 0, {at.x(), at.y(), at.z()},
+      const Vec3 torque = calc_gradient_torque(planet, planet.origin, {at.x(), at.y(), at.z()},
                                                {J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(0, 2), J(1, 2)});
       const double scale = 3 * planet.mu / std::pow(at.norm(), 3) * J.norm();
       ASSERT_LT((to_eigen(torque) - sum).norm(), kNextOrder * scale) << "seed 3, " << i;
@@ -228,6 +228,43 @@ TEST(Environment, TheFallingOriginKeepsItsEnergyAndMomentumAndReturns) {
   }
 }
 
+// Against Kepler's equation in long double, bisected: places and velocities by f and g functions of the same ellipse.
+TEST(Environment, TheFallingOriginIsWhereKeplersEquationHasIt) {
+  constexpr double kRounding = 1e-15;  // of the way in angle since t = 0, and of a place
+  Random random(11);
+  for (const double eccentric : {-0.97, -0.5, -1e-3, 0.0, 1e-9, 0.01, 0.2, 0.7, 0.95}) {
+    const PlanPlanet planet = compile_planet(fall(eccentric));
+    const Long p = planet.e_sine, q = planet.e_cosine, n = planet.mean_motion, a = planet.semi_major;
+    const Long e = std::sqrt(p * p + q * q);
+    for (int i = 0; i < 500; ++i) {
+      const double t = random.uniform(i % 2 == 0 ? -10.0 : 0.0, i % 2 == 0 ? 10.0 : 60000.0);
+      const Long M = n * t;
+      Long low = M - 2 * e, high = M + 2 * e;
+      for (int k = 0; k < 80; ++k) {
+        const Long middle = (low + high) / 2;
+        (middle - M + p * (1 - std::cos(middle)) - q * std::sin(middle) > 0 ? high : low) = middle;
+      }
+      const Long E = (low + high) / 2, sine = std::sin(E), half = std::sin(E / 2), versine = 2 * half * half;
+      const Long r = a * (1 + p * sine - q * std::cos(E)), r0 = planet.distance;
+      const Long f = 1 - a / r0 * versine, g = (M - E + sine) / n;
+      const Long f_rate = -n * a * (a / (r * r0)) * sine, g_rate = 1 - a / r * versine;
+      const auto combine = [&](Long u, Long v) {
+        return Vector3d(static_cast<double>(u * Long(planet.origin.x) + v * Long(planet.velocity.x)),
+                        static_cast<double>(u * Long(planet.origin.y) + v * Long(planet.velocity.y)),
+                        static_cast<double>(u * Long(planet.origin.z) + v * Long(planet.velocity.z)));
+      };
+      const OriginMotion now = calc_origin(planet, t);
+      // An error of the angle M moves the origin by its velocity over n.
+      const Vector3d place = combine(f, g), velocity = combine(f_rate, g_rate);
+      const double angle = kRounding * (2 + static_cast<double>(std::abs(M)));
+      const double speed = velocity.norm(), rest = static_cast<double>(n);
+      const double pull = planet.mu / place.squaredNorm();
+      ASSERT_LT((to_eigen(now.r) - place).norm(), angle * (speed / rest + planet.distance)) << eccentric << ' ' << t;
+      ASSERT_LT((to_eigen(now.v) - velocity).norm(), angle * (pull / rest + speed)) << eccentric << ' ' << t;
+    }
+  }
+}
+
 // Against the difference of the two fields in long double.
 TEST(Environment, TheFieldBesideAFallingOriginLosesNoDigits) {
   constexpr double kRelative = 2e-15;
@@ -247,7 +284,7 @@ TEST(Environment, TheFieldBesideAFallingOriginLosesNoDigits) {
                               static_cast<double>(-mu * (Long(p.y()) / r3 + o.y * between)),
                               static_cast<double>(-mu * (Long(p.z()) / r3 + o.z * between)));
       const double lost = 1e-19 * norm(o) / distance;  // digits that long double loses in `between`
-      const Vec3 g = calc_planet_gravity(planet, t, {p.x(), p.y(), p.z()});
+      const Vec3 g = calc_planet_gravity(planet, o, {p.x(), p.y(), p.z()});
       ASSERT_LT((to_eigen(g) - expected).norm(), (kRelative + 10 * lost) * expected.norm()) << distance;
     }
   }

@@ -2,6 +2,7 @@
 // aarch64-linux-gnu-g++ (Debian 12.2.0-14) 12.2.0; QEMU emulator version 7.2.22
 // Later, on 358 plans: round, wait, forces:PlanetFalls, readings:ReadFallingQuantities.
 // Later, on 1176 plans: loads:LoadedEights, loads:Loaded, loads:OnLoads, loads:AttachedLoads, loads:Exponentials, split:SplitProducts, forces:Varying, forces:ApartLoads, integrate:Varying, factor_stage:ClosureRows, factor_stage:Closures, factor_rest:ClosureRows, factor_rest:Closures, loop_joints:Loops, loop_joints:StageLoops, factor_stage:InnerFreedoms, factor_rest:InnerFreedoms, factor:InnerFreedoms, factor_stage:InnerByRows, factor_rest:InnerByRows, factor_stage:Masks, factor_rest:Masks, factor:Masks, solve_rest:InnerByRows, solve_rest:Masks, solve_rest:InnerFreedoms, factor_stage:ByFreedoms, factor_rest:ByFreedoms, factor_stage:Freedoms, factor_rest:Freedoms.
+// Later, on 15 plans: forces:PlanetFalls, forces:Aerodynamics, readings:ReadFallingQuantities.
 // clang-format off
 #include "kernel/cost/measured.h"
 
@@ -375,10 +376,10 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kForces, Unit::kPointOneSided, 686},
     {Primitive::kForces, Unit::kCords, 570.8},
     {Primitive::kForces, Unit::kFrictions, 367.5},
-    {Primitive::kForces, Unit::kAerodynamics, 1450},
+    {Primitive::kForces, Unit::kAerodynamics, 1416},
     {Primitive::kForces, Unit::kPlanetWeights, 165.3},
     {Primitive::kForces, Unit::kPlanetZonals, 119.3},
-    {Primitive::kForces, Unit::kPlanetFalls, 798.1},
+    {Primitive::kForces, Unit::kPlanetFalls, 627.3},
     {Primitive::kForces, Unit::kVarying, 309.8},
     {Primitive::kForces, Unit::kFlexible, 3224},
     {Primitive::kForces, Unit::kContacts, 120.6},
@@ -473,7 +474,7 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kReadings, Unit::kReadPlainQuantities, 131.2},
     {Primitive::kReadings, Unit::kReadFlightQuantities, 83.98},
     {Primitive::kReadings, Unit::kReadFlightAngles, 367.8},
-    {Primitive::kReadings, Unit::kReadFallingQuantities, 569.1},
+    {Primitive::kReadings, Unit::kReadFallingQuantities, 109.1},
     {Primitive::kReadings, Unit::kReadAirQuantities, 379.7},
     {Primitive::kReadings, Unit::kReadRoundDistances, 2124},
     {Primitive::kReadings, Unit::kReadHollowDistances, 8542},
@@ -505,8 +506,8 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kTry, Unit::kOne, 751.5},
     {Primitive::kTry, Unit::kGuards, 22.61},
     {Primitive::kTry, Unit::kEvents, 100.1},
-    {Primitive::kTry, Unit::kBranches, 78.23},
-    {Primitive::kTry, Unit::kCorners, 13.8},
+    {Primitive::kTry, Unit::kBranches, 170.3},
+    {Primitive::kTry, Unit::kCorners, 34.09},
     {Primitive::kTry, Unit::kRoundPairs, 150.3},
     {Primitive::kTry, Unit::kConvexPairs, 133.7},
     {Primitive::kTry, Unit::kHollowPairs, 9.52},

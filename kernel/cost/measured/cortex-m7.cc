@@ -2,6 +2,7 @@
 // arm-none-eabi-g++ (15:12.2.rel1-1) 12.2.1 20221205; QEMU emulator version 7.2.22
 // Later, on 358 plans: round, wait, forces:PlanetFalls, readings:ReadFallingQuantities.
 // Later, on 1176 plans: loads:LoadedEights, loads:Loaded, loads:OnLoads, loads:AttachedLoads, loads:Exponentials, split:SplitProducts, forces:Varying, forces:ApartLoads, integrate:Varying, factor_stage:ClosureRows, factor_stage:Closures, factor_rest:ClosureRows, factor_rest:Closures, loop_joints:Loops, loop_joints:StageLoops.
+// Later, on 15 plans: forces:PlanetFalls, forces:Aerodynamics, readings:ReadFallingQuantities.
 // clang-format off
 #include "kernel/cost/measured.h"
 
@@ -195,6 +196,7 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kFactorStage, Unit::kOne, 85.31},
     {Primitive::kFactorStage, Unit::kGather, 119.4},
     {Primitive::kFactorStage, Unit::kContiguous, 36.97},
+    {Primitive::kFactorStage, Unit::kSiblings, 107.3},
     {Primitive::kFactorStage, Unit::kByFreedoms, 612.3},
     {Primitive::kFactorStage, Unit::kFreedoms, 72.93},
     {Primitive::kFactorStage, Unit::kTurns, 148.1},
@@ -270,6 +272,7 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kSolveRest, Unit::kGather, 86.21},
     {Primitive::kSolveRest, Unit::kContiguous, 113.1},
     {Primitive::kSolveRest, Unit::kRoots, 91.76},
+    {Primitive::kSolveRest, Unit::kSiblings, 87.45},
     {Primitive::kSolveRest, Unit::kByFreedoms, 271.9},
     {Primitive::kSolveRest, Unit::kFreedoms, 24.08},
     {Primitive::kSolveRest, Unit::kTurns, 16.71},
@@ -365,11 +368,11 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kForces, Unit::kPointOneSided, 1320},
     {Primitive::kForces, Unit::kCords, 905.3},
     {Primitive::kForces, Unit::kFrictions, 460.6},
-    {Primitive::kForces, Unit::kAerodynamics, 1811},
+    {Primitive::kForces, Unit::kAerodynamics, 1803},
     {Primitive::kForces, Unit::kAeroTerms, 9.825},
     {Primitive::kForces, Unit::kPlanetWeights, 153.1},
     {Primitive::kForces, Unit::kPlanetZonals, 120.8},
-    {Primitive::kForces, Unit::kPlanetFalls, 1567},
+    {Primitive::kForces, Unit::kPlanetFalls, 565.7},
     {Primitive::kForces, Unit::kVarying, 299.9},
     {Primitive::kForces, Unit::kFlexible, 7039},
     {Primitive::kForces, Unit::kRoundPairs, 4485},
@@ -460,7 +463,7 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kReadings, Unit::kReadPlainQuantities, 137.2},
     {Primitive::kReadings, Unit::kReadFlightQuantities, 58.52},
     {Primitive::kReadings, Unit::kReadFlightAngles, 370.6},
-    {Primitive::kReadings, Unit::kReadFallingQuantities, 1276},
+    {Primitive::kReadings, Unit::kReadFallingQuantities, 88.54},
     {Primitive::kReadings, Unit::kReadAirQuantities, 362.3},
     {Primitive::kReadings, Unit::kReadRoundDistances, 3664},
     {Primitive::kReadings, Unit::kReadHollowDistances, 1.421e+04},
@@ -493,8 +496,8 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kTry, Unit::kOne, 867.6},
     {Primitive::kTry, Unit::kGuards, 59.04},
     {Primitive::kTry, Unit::kEvents, 84.04},
-    {Primitive::kTry, Unit::kBranches, 99.54},
-    {Primitive::kTry, Unit::kCorners, 13.77},
+    {Primitive::kTry, Unit::kBranches, 223.8},
+    {Primitive::kTry, Unit::kCorners, 37.38},
     {Primitive::kTry, Unit::kRoundPairs, 126.4},
     {Primitive::kTry, Unit::kConvexPairs, 105.7},
     {Primitive::kTry, Unit::kHollowPairs, 7.825},

@@ -2,6 +2,7 @@
 // riscv64-linux-gnu-g++ (Debian 12.2.0-13) 12.2.0; QEMU emulator version 7.2.22
 // Later, on 358 plans: round, wait, forces:PlanetFalls, readings:ReadFallingQuantities.
 // Later, on 1176 plans: loads:LoadedEights, loads:Loaded, loads:OnLoads, loads:AttachedLoads, loads:Exponentials, split:SplitProducts, forces:Varying, forces:ApartLoads, integrate:Varying, factor_stage:ClosureRows, factor_stage:Closures, factor_rest:ClosureRows, factor_rest:Closures, loop_joints:Loops, loop_joints:StageLoops.
+// Later, on 15 plans: forces:PlanetFalls, forces:Aerodynamics, readings:ReadFallingQuantities.
 // clang-format off
 #include "kernel/cost/measured.h"
 
@@ -356,11 +357,11 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kForces, Unit::kPointOneSided, 1342},
     {Primitive::kForces, Unit::kCords, 899.7},
     {Primitive::kForces, Unit::kFrictions, 537.6},
-    {Primitive::kForces, Unit::kAerodynamics, 1723},
+    {Primitive::kForces, Unit::kAerodynamics, 1624},
     {Primitive::kForces, Unit::kAeroTerms, 0.0005714},
     {Primitive::kForces, Unit::kPlanetWeights, 423.8},
     {Primitive::kForces, Unit::kPlanetZonals, 22.47},
-    {Primitive::kForces, Unit::kPlanetFalls, 1022},
+    {Primitive::kForces, Unit::kPlanetFalls, 887.3},
     {Primitive::kForces, Unit::kVarying, 421},
     {Primitive::kForces, Unit::kFlexible, 3866},
     {Primitive::kForces, Unit::kContacts, 114.3},
@@ -455,7 +456,7 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kReadings, Unit::kReadElementQuantities, 599.5},
     {Primitive::kReadings, Unit::kReadPlainQuantities, 123.9},
     {Primitive::kReadings, Unit::kReadFlightAngles, 522.3},
-    {Primitive::kReadings, Unit::kReadFallingQuantities, 826.2},
+    {Primitive::kReadings, Unit::kReadFallingQuantities, 221.4},
     {Primitive::kReadings, Unit::kReadAirQuantities, 533.4},
     {Primitive::kReadings, Unit::kReadRoundDistances, 2187},
     {Primitive::kReadings, Unit::kReadHollowDistances, 1.026e+04},
@@ -488,8 +489,8 @@ constexpr Coefficient kCoefficients[] = {
     {Primitive::kSearch, Unit::kHollowPairs, 10.24},
     {Primitive::kTry, Unit::kOne, 951.6},
     {Primitive::kTry, Unit::kEvents, 128.2},
-    {Primitive::kTry, Unit::kBranches, 90.19},
-    {Primitive::kTry, Unit::kCorners, 12.28},
+    {Primitive::kTry, Unit::kBranches, 197.6},
+    {Primitive::kTry, Unit::kCorners, 32.75},
     {Primitive::kTry, Unit::kRoundPairs, 173.8},
     {Primitive::kTry, Unit::kConvexPairs, 154},
     {Primitive::kTry, Unit::kRigidPairs, 11.42},
