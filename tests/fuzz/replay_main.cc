@@ -1,5 +1,5 @@
 // Runs a fuzz target with any compiler: over the inputs in files and folders, then over random mutations of them.
-//   <target>_fuzz [--mutations N] [--seed S] FILE|FOLDER...
+//   fuzz_replay TARGET [--mutations N] [--seed S] FILE|FOLDER...
 // An input that ends the program, or takes 10 s, is stored in the file that the last line names. clang's libFuzzer,
 // which is guided by coverage, finds more (tools/fuzz); this program is for daily use, and for machines without clang.
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/replay.h"
 
 namespace {
 
@@ -25,6 +25,7 @@ using Random = std::mt19937_64;
 
 constexpr unsigned kHang_s = 10;
 constexpr std::size_t kMaxBytes = 8192;
+const unlatch::fuzz::Target* target = nullptr;
 const Bytes* current = nullptr;  // present input of the target
 
 // Uses only calls that a signal handler may make: open and write.
@@ -42,7 +43,7 @@ void run(const Bytes& input) {
   alarm(kHang_s);
   // Copy of exactly that size, so that a checker detects a read beyond its end.
   const Bytes copy(input);
-  LLVMFuzzerTestOneInput(copy.data(), copy.size());
+  target->test_one_input(copy.data(), copy.size());
   alarm(0);
 }
 
@@ -105,7 +106,15 @@ void mutate(Bytes& bytes, const std::vector<Bytes>& inputs, Random& random) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  std::vector<std::string> names(arguments + 1, arguments + count);
+  for (const unlatch::fuzz::Target& one : unlatch::fuzz::list_targets())
+    if (count > 1 && std::strcmp(one.name, arguments[1]) == 0) target = &one;
+  if (target == nullptr) {
+    std::fprintf(stderr, "the first argument is a target:");
+    for (const unlatch::fuzz::Target& one : unlatch::fuzz::list_targets()) std::fprintf(stderr, " %s", one.name);
+    std::fprintf(stderr, "\n");
+    return 2;
+  }
+  std::vector<std::string> names(arguments + 2, arguments + count);
   long mutations = 0;
   std::uint64_t seed = std::random_device{}();
   for (auto name = names.begin(); name != names.end();) {

@@ -124,23 +124,23 @@ VectorXd run_ros2(const SpringPendulum& p, double h, int steps) {
 }
 
 VectorXd calc_accurate(const SpringPendulum& p, double t) {
-  using Real = long double;
+  using Wide = long double;
   struct Pair {
-    Real angle, speed;
+    Wide angle, speed;
   };
-  const auto real = [](double x) { return static_cast<Real>(x); };
-  const Real inertia = real(p.inertia) + real(p.mass) * real(p.arm) * real(p.arm);
-  const Real weight = real(p.mass) * real(p.gravity) * real(p.arm);
+  const auto real = [](double x) { return static_cast<Wide>(x); };
+  const Wide inertia = real(p.inertia) + real(p.mass) * real(p.arm) * real(p.arm);
+  const Wide weight = real(p.mass) * real(p.gravity) * real(p.arm);
   const auto rate = [&](const Pair& y) -> Pair {
     return {y.speed, (-real(p.stiffness) * y.angle - real(p.damping) * y.speed - weight * std::cos(y.angle)) / inertia};
   };
   // Step of a thousandth of the fastest oscillation's radian: an error of some 1e-13 of the amplitude per radian.
   const double fastest = std::sqrt((p.stiffness + p.mass * p.gravity * p.arm) / static_cast<double>(inertia)) + 1;
   const long steps = std::lround(std::ceil(t * fastest * 1000)) + 1;
-  const Real h = static_cast<Real>(t) / static_cast<Real>(steps);
+  const Wide h = static_cast<Wide>(t) / static_cast<Wide>(steps);
   Pair y{real(p.angle), real(p.speed)};
   for (long i = 0; i < steps; ++i) {
-    const auto ahead = [&](Real c, const Pair& k) { return Pair{y.angle + c * k.angle, y.speed + c * k.speed}; };
+    const auto ahead = [&](Wide c, const Pair& k) { return Pair{y.angle + c * k.angle, y.speed + c * k.speed}; };
     const Pair k1 = rate(y), k2 = rate(ahead(h / 2, k1)), k3 = rate(ahead(h / 2, k2)), k4 = rate(ahead(h, k3));
     y.angle += h / 6 * (k1.angle + 2 * k2.angle + 2 * k3.angle + k4.angle);
     y.speed += h / 6 * (k1.speed + 2 * k2.speed + 2 * k3.speed + k4.speed);

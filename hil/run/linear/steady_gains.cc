@@ -12,7 +12,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kRounding = 1e-14;  // relative, of the Schur form of some ten to hundred states
+constexpr double kSchurRounding = 1e-14;  // relative, of the Schur form of some ten to hundred states
 
 // A = U T Uᴴ with the eigenvalues that are nearest to those of `first` at the beginning of the diagonal of T.
 struct OrderedSchur {
@@ -99,7 +99,7 @@ SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::c
   Eigen::MatrixXcd inputs_1 = W1 * scaled.B;
   // Its diagonal is rounding, but the square root of that of A: without it, N would not be nilpotent to A's.
   const Eigen::MatrixXcd N = schur.T.topLeftCorner(at_zero, at_zero);
-  const double turned = static_cast<double>(n) * (kRounding + scaled.A_error.norm()) * std::max(1.0, W1.norm());
+  const double turned = static_cast<double>(n) * (kSchurRounding + scaled.A_error.norm()) * std::max(1.0, W1.norm());
   std::vector<std::pair<Eigen::Index, Eigen::Index>> endless;
   double power = 1;
   for (Eigen::Index k = 0; k < at_zero; ++k, inputs_1 = (N * inputs_1).eval(), power *= N.norm()) {
@@ -123,7 +123,7 @@ SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::c
                            dual_twice = T.adjoint().solve(dual.adjoint()).adjoint();
     const Eigen::MatrixXd states = (V2 * once).cwiseAbs(), duals = (dual * W2).cwiseAbs();
     gains.values -= (outputs_2 * once).real();
-    gains.errors += kRounding * scaled.C.rowwise().norm() * once.colwise().norm() + scaled.C_error * states +
+    gains.errors += kSchurRounding * scaled.C.rowwise().norm() * once.colwise().norm() + scaled.C_error * states +
                     duals * (scaled.A_error * states + scaled.B_error) +
                     (outputs_1 * W1).cwiseAbs() * scaled.A_error * (V2 * twice).cwiseAbs() +
                     (dual_twice * W2).cwiseAbs() * scaled.A_error * (V1 * (W1 * scaled.B)).cwiseAbs();

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-FIRST, SYSTEMS, TICKS, MOST_BYTES = 200_001, 16, 40, 30_000  # small systems: callgrind is slow
+FIRST, SYSTEMS, TICKS, MOST_BYTES = 200_001, 8, 40, 30_000  # few and small: callgrind is slow; a million steps are among the long tests
 STEP = "unlatch::step(unlatch::Plan const&, unlatch::Inputs const&, unlatch::State&, unlatch::Workspace&, unlatch::MotionLog*)"
 
 
