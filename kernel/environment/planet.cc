@@ -28,7 +28,9 @@ struct Anomaly {
 
 // E + p (1 − cos E) − q sin E = M with p = e sin E₀ and q = e cos E₀; the left side rises with the slope r / a. Solved
 // for what E has beyond the eighth of a turn next to M, so that sines cost the same all along the orbit, by steps of
-// the fourth order from three derivatives (Danby, Fundamentals of Celestial Mechanics, 6.6) within a bracket.
+// the fourth order from three derivatives (Danby, Fundamentals of Celestial Mechanics, 6.6) within a bracket; by
+// Newton's where the higher derivatives change the slope by more than a factor of two, as near the lowest point of long
+// ellipses.
 Anomaly solve_kepler(const PlanPlanet& planet, double M) noexcept {
   const double eighths = std::floor(M / kEighth + 0.5), own = M - eighths * kEighth;
   const Direction& whole = kEighths[static_cast<std::size_t>(eighths - 8 * std::floor(eighths / 8))];
@@ -41,11 +43,12 @@ Anomaly solve_kepler(const PlanPlanet& planet, double M) noexcept {
     now = add(whole, beyond);
     const double rest = (x - own) + (p * (1 - now.cosine) - q * now.sine);
     const double second = p * now.cosine + q * now.sine, slope = 1 + (p * now.sine - q * now.cosine);
-    double step = -rest / slope;
-    step = -rest / (slope + step * second / 2);
-    step = -rest / (slope + step * (second / 2 + step * (1 - slope) / 6));
+    const auto is_like_slope = [&](double mean) { return mean > 0.5 * slope && mean < 2 * slope; };
+    const double newton = -rest / slope, third = slope + newton * second / 2, guess = -rest / third;
+    const double fourth = slope + guess * (second / 2 + guess * (1 - slope) / 6);
+    const double step = is_like_slope(third) && is_like_slope(fourth) ? -rest / fourth : newton;
     constexpr double kLastStep = 1e-6;  // rad: both its fourth power and its third one over six are below rounding
-    if (std::abs(step) <= kLastStep) return {add(now, {step, 1 - 0.5 * (step * step)}), (own - x) - step};
+    if (std::abs(newton) <= kLastStep) return {add(now, {step, 1 - 0.5 * (step * step)}), (own - x) - step};
     (rest > 0 ? high : low) = x;
     x += step;
     if (!(x > low && x < high)) x = 0.5 * (low + high);
