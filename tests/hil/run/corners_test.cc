@@ -190,8 +190,8 @@ TEST(Corners, StepsAreSplitAtTheKnotsOfATableOverTravel) {
           "requirements:\n"
           "  - {id: force, force: push, take: maximum, at_most: 10 kN}\n"
           "  - {id: acceleration, acceleration: b, at_most: 1e4}\n"
-          "  - {id: expression, expression: fp, at_most: 1e4}\n"
-          "  - {id: speed, velocity: b, at: \"stroke_end:push\", at_most: 1e4}\n";
+          "  - {id: expression, expression: fp, at_most: 10 kN}\n"
+          "  - {id: speed, velocity: {body: b}, at: \"stroke_end:push\", at_most: 1e4}\n";
   for (const char* push : {"elements:\n  push: {type: pusher, joint: sl, axis: x, ",
                            "elements:\n  push: {type: pusher, between: [ground, b], point: [0.1, 0, 0], "}) {
     const AnalysedRun run(body + joint + push + table + rest);
