@@ -12,7 +12,7 @@ namespace {
 using Measure = Requirement::Measure;
 
 // Of the motion: less is no reason for doubt.
-constexpr double kLeast = 1e-5;
+constexpr double kLeast = 1e-7;
 
 // Parts of a motion: the whole one, or that relative to the centre of mass of all bodies.
 struct Parts {
@@ -33,11 +33,18 @@ double get_change(const StepAudit::BodyErrors& errors, MotionPart part) {
   return errors.change[at(static_cast<int>(part))];
 }
 
-// Of a quantity that is a place, a velocity, an angle or a rate of the bodies.
+// Whether it is a place, a velocity, an angle or a rate of bodies.
 struct MeasuredPart {
   bool of_motion = false, turns = false, is_rate = false;
 };
-MeasuredPart get_measured_part(const Requirement& requirement) {
+MeasuredPart get_measured_part(const Model& model, const Requirement& requirement) {
+  if (requirement.quantity == Measure::kQuantity) {
+    const SubjectOf of = get_traits(model.quantities[at(requirement.a)].kind).of;
+    if (of != SubjectOf::kBody && of != SubjectOf::kJoint) return {};
+    const std::string& unit = requirement.unit;
+    const bool is_rate = unit == "m/s" || unit == "rad/s", turns = unit == "rad" || unit == "rad/s";
+    return {.of_motion = is_rate || turns || unit == "m", .turns = turns, .is_rate = is_rate};
+  }
   switch (requirement.quantity) {
     case Measure::kClearance:
     case Measure::kPosition:
@@ -62,7 +69,7 @@ MeasuredPart get_measured_part(const Requirement& requirement) {
 
 double calc_step_uncertainty(const Model& model, const Requirement& requirement, double value, double until,
                              const StepAudit& audit) {
-  const MeasuredPart part = get_measured_part(requirement);
+  const MeasuredPart part = get_measured_part(model, requirement);
   const std::vector<int> bodies = list_own_bodies(model, requirement);
   const Parts along = bodies.size() > 1 ? kOwn : kWhole;
   double sum = 0, largest = 0;
