@@ -113,7 +113,7 @@ class CampaignDesignsTest(ProcessTest):
 
     def test_a_value_that_is_the_same_in_every_sample_is_said_to_be_so(self):
         still = BALL + "  - {id: still, rate: {body: ball, relative_to: base}, at_most: 1}\n"
-        for sampling in ("latin", "sobol", "random"):
+        for sampling in ("random", "sobol"):
             with self.subTest(sampling):
                 _, said, _ = self.fly(f"sampling: {sampling}\nsamples: 64\n{UNIFORM}", sampling, code=None, scenario=still)
                 line = next(line for line in said.splitlines() if "none: all values are equal" in line)
@@ -128,7 +128,7 @@ class CampaignDesignsTest(ProcessTest):
         self.assertIsNotNone(summary["rare"]["probability"])
         result = f"probability {summary['rare']['probability']:.3g}, 95 %: "
         self.assertIn(result, said)
-        self.assertIn("## Subset simulation: fast above 4 m/s\n\n" + result, review)
+        self.assertIn("## Subset simulation: fast.margin below 0 m/s\n\n" + result, review)
         self.assertIn("## Requirements, first level alone", review)
         self.assertIn("## Inputs, as drawn in the first level", review)
 
