@@ -216,7 +216,7 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   plan.plain = plan.rigid && !plan.environment.exists;
   plan.solved_once = plan.laws.list.empty() && plan.frictions.empty() && plan.rigid_pairs == 0;
   plan.time_corners = has_time_corners(model, plan);
-  plan.place_corners = !plan.laws.corners.empty() || !plan.air_corners.empty();
+  plan.place_corners = !plan.laws.corners.empty() || !plan.air_corners.empty() || !plan.travels.empty();
   plan.sought_corners = plan.place_corners || has_masses(plan, true) || !plan.contacts.empty();
   plan.contact_substeps = model.contact_substeps;
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());

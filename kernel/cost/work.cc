@@ -464,6 +464,9 @@ void count_elements(const PlanData& plan, Work& work) {
   for (const PlanOneSided& own : plan.one_sided)
     if (own.count > 0)
       work[Unit::kOneSidedTables] += static_cast<double>(std::bit_width(static_cast<unsigned>(own.count)));
+  for_each_travel_corner(plan, [&](const PlanOneSided& own, std::span<const double>) {
+    work[Unit::kCorners] += 1 + static_cast<double>(std::bit_width(static_cast<unsigned>(own.count)));
+  });
   for (const ContactPair& pair : plan.contact_pairs) {
     const PlanContact& contact = plan.contacts[at(pair.contact)];
     count_shape_pair(plan, at(plan.shapes[at(contact.base)].first + pair.base_shape),

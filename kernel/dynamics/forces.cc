@@ -36,14 +36,14 @@ void add_efforts(const Instant& now, Evaluation& ev) {
   const auto& list = Kind::of_plan(now.plan);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const auto& own = list[i];
-    if (!Kind::acts(now, ev, own, i)) continue;
-    const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
+    const double scale = Kind::acts(now, ev, own, i) ? calc_scale(now.state.elements[at(own.element)], now.t) : 0;
     if (scale == 0) {
       if constexpr (requires { Kind::rest(own, ev); }) Kind::rest(own, ev);
       continue;
     }
     if constexpr (HasEffort<Kind>) {
       const Effort effort = Kind::calc(StageMotion{now, ev}, own, i, scale);
+      if constexpr (requires { Kind::keep(own, effort, ev); }) Kind::keep(own, effort, ev);
       if (!effort.acts) continue;
       const Vec3 push = effort.size * effort.direction;
       push_apart(ev, effort.base, effort.follower,

@@ -36,12 +36,12 @@ class KnotMarker {
   CornerEnds& marks_;
 };
 
-void mark_table(const PlanLaws& laws, const PlanLawStep& step, const LawCourse& course, KnotMarker& marker) {
+void mark_table(const PlanLaws& laws, const PlanLawStep& step, const CornerCourse& course, KnotMarker& marker) {
   const PlanTable& table = laws.tables[at(step.subject)];
   for (std::int32_t i = 0; i < table.axis_count; ++i) {
     const PlanTableAxis& axis = laws.axes[at(table.first_axis + i)];
     const double* const knots = &laws.numbers[at(axis.knots)];
-    const double a = course.at_begin[at(step.place + i)], b = course.at_end[at(step.place + i)];
+    const double a = course.at_begin.laws[at(step.place + i)], b = course.at_end.laws[at(step.place + i)];
     if (!table.smooth) {
       marker.mark_way(a, b, knots, axis.count);
     } else {
@@ -75,11 +75,11 @@ void add_times(const PlanData& plan, const State& state, double begin, double en
 double calc_margin(const PlanData& plan, double begin, double end) { return kMargin * plan.options.dt / (end - begin); }
 
 // True if an `if_less` that this place decides changed at the end of the sub-step.
-bool jumps_at_end(const PlanLawStep& step, double margin, const LawCourse& course) {
+bool jumps_at_end(const PlanLawStep& step, double margin, const CornerCourse& course) {
   if (step.kind != LawStep::Kind::kIfLess) return false;
   const std::size_t i = at(step.place);
   if (course.from_begin[i] == course.decided[i]) return false;
-  const double a = course.at_begin[i], b = course.at_end[i];
+  const double a = course.at_begin.laws[i], b = course.at_end.laws[i];
   return a == b || -a / (b - a) >= 1 - margin;
 }
 
@@ -94,7 +94,7 @@ CornerEnds mark_times(const PlanData& plan, const State& state, double begin, do
 }
 
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
-                         const LawCourse& course) noexcept {
+                         const CornerCourse& course) noexcept {
   CornerMarks marks{.motion = mark_times(plan, state, begin, end), .readings = {}};
   const double margin = calc_margin(plan, begin, end);
   KnotMarker motion(margin, marks.motion), readings(margin, marks.readings);
@@ -107,19 +107,24 @@ CornerMarks mark_corners(const PlanData& plan, const State& state, double begin,
       if (step.kind == LawStep::Kind::kTable)
         mark_table(plan.laws, step, course, marker);
       else
-        marker.mark_way(course.at_begin[at(step.place)], course.at_end[at(step.place)], &kZero, 1);
+        marker.mark_way(course.at_begin.laws[at(step.place)], course.at_end.laws[at(step.place)], &kZero, 1);
       marks.jumps = marks.jumps || jumps_at_end(step, margin, course);
     }
   }
   for (const PlanAirPlace& own : plan.laws.air_places)
-    motion.mark_way(course.at_begin[at(own.place)], course.at_end[at(own.place)], &plan.laws.numbers[at(own.knots)],
+    motion.mark_way(course.at_begin.laws[at(own.place)], course.at_end.laws[at(own.place)],
+                    &plan.laws.numbers[at(own.knots)], own.count);
+  for_each_travel_corner(plan, [&](const PlanOneSided& own, std::span<const double> knots) {
+    motion.mark_way(course.at_begin.travels[at(own.number)], course.at_end.travels[at(own.number)], knots.data(),
                     own.count);
-  for (std::size_t i = 0; i < course.low.size(); ++i)
-    motion.mark_way(course.low[i], course.high[i], plan.air_corners.data(), std::ssize(plan.air_corners));
+  });
+  for (std::size_t i = 0; i < course.at_begin.altitudes.size(); ++i)
+    motion.mark_way(course.at_begin.altitudes[i], course.at_end.altitudes[i], plan.air_corners.data(),
+                    std::ssize(plan.air_corners));
   return marks;
 }
 
-void hold_branches(const PlanData& plan, double begin, double end, const LawCourse& course,
+void hold_branches(const PlanData& plan, double begin, double end, const CornerCourse& course,
                    std::span<std::int32_t> branches) noexcept {
   const double margin = calc_margin(plan, begin, end);
   for (const PlanLawStep& step : plan.laws.steps)

@@ -7,16 +7,16 @@
 #include <cstdint>
 #include <span>
 
+#include "kernel/events/corners.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/state.h"
 
 namespace unlatch {
 
-// The laws and the altitudes of a plan at both ends of a sub-step.
-struct LawCourse {
-  std::span<const double> at_begin, at_end;           // Evaluation::law_places
+// What has corners, at both ends of a sub-step.
+struct CornerCourse {
+  CornerPlaces at_begin, at_end;
   std::span<const std::int32_t> from_begin, decided;  // branches of its stages; those at its end
-  std::span<const double> low, high;                  // Evaluation::altitudes at both ends
 };
 
 // Both for a corner inside: the sub-step was not split there.
@@ -32,17 +32,17 @@ struct CornerMarks {
   [[nodiscard]] bool any() const { return motion.any() || readings.any(); }
 };
 
-// Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read, of the air and of tables
-// over time, but for those that are finer than the step; not at those of laws that only outputs read. `state`: of its
-// end, but before its events.
+// Of a sub-step from `begin` to `end`. Steps are split at corners of laws that forces read, of travels, of the air and
+// of tables over time, but for those that are finer than the step; not at those of laws that only outputs read.
+// `state`: of its end, but before its events.
 CornerMarks mark_corners(const PlanData& plan, const State& state, double begin, double end,
-                         const LawCourse& course) noexcept;
+                         const CornerCourse& course) noexcept;
 // Those of tables and masses over time and of switches alone.
 CornerEnds mark_times(const PlanData& plan, const State& state, double begin, double end) noexcept;
 
 // Gives the laws that jump at the end of the sub-step the branches of its stages. `branches`: Evaluation::branches, of
 // its end.
-void hold_branches(const PlanData& plan, double begin, double end, const LawCourse& course,
+void hold_branches(const PlanData& plan, double begin, double end, const CornerCourse& course,
                    std::span<std::int32_t> branches) noexcept;
 
 }  // namespace unlatch

@@ -18,9 +18,12 @@ namespace {
 void for_each_corner(const PlanData& plan, const auto& use) {
   for (const PlanCorner& corner : plan.laws.corners)
     use(PassedCorner{.place = corner.place, .jumps = corner.jumps}, &plan.laws.numbers[at(corner.knots)], corner.count);
+  for_each_travel_corner(plan, [&](const PlanOneSided& own, std::span<const double> knots) {
+    use(PassedCorner{.place = own.number, .of = CornerOf::kTravel}, knots.data(), own.count);
+  });
   if (plan.air_corners.empty()) return;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(plan.aerodynamics.size()); ++i)
-    use(PassedCorner{.place = i, .of_air = true}, plan.air_corners.data(),
+    use(PassedCorner{.place = i, .of = CornerOf::kAir}, plan.air_corners.data(),
         static_cast<std::int32_t>(plan.air_corners.size()));
 }
 
@@ -41,7 +44,7 @@ PassedCorner find_corner(const PlanData& plan, double begin, double end, const C
       corner.knot = a < b ? low[i] : high[-1 - i];
       const double part = (corner.knot - a) / (b - a);
       if (part <= margin && !corner.jumps) continue;
-      const bool again = corner.place == ended.place && corner.of_air == ended.of_air && corner.knot == ended.knot;
+      const bool again = corner.place == ended.place && corner.of == ended.of && corner.knot == ended.knot;
       if (part < first && part < 1 - (corner.jumps && !again ? kNearJump : margin)) {
         first = part;
         found = corner;

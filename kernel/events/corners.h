@@ -1,12 +1,13 @@
-// Corners of laws that forces read: knots of linear tables, ends of tables, branches of min, max, abs and if; rows of
-// the wind and borders of the atmosphere's layers that a body in the air passes; knots of the masses of bodies that
-// burn; and those whose time is known: points of loads' tables over time, ends of ramps, knots of masses over time.
+// Corners of forces. Knots of linear tables over what moves, ends of smooth ones, and branches of min, max, abs and if,
+// in laws that forces read; knots of the tables of pushers, stops and cords over their travel; rows of the wind and
+// borders of the atmosphere's layers that a body in the air passes; knots of the masses of bodies that burn; and those
+// whose time is known: points of loads' tables over time, ends of ramps, knots of masses over time.
 // Runge and Kutta's method has its order only in sub-steps without them: event_search.cc splits a sub-step at the first
-// of a law, of the air or of what is burnt, step.cc at the first of the others.
+// of a law, of a travel, of the air or of what is burnt, step.cc at the first of the others.
 //
-// Cost: two bisections of an axis per corner and sub-step, likewise of a table over time, of a mass and of the
-// altitudes of the air's corners per aerodynamics, and a look at each switch; where a corner is passed, two or three
-// more sub-steps, where its time is known one.
+// Cost: two bisections of an axis per corner and sub-step, likewise of a table over a travel or over time, of a mass
+// and of the altitudes of the air's corners per aerodynamics, and a look at each switch; where a corner is passed, two
+// or three more sub-steps, where its time is known one.
 #pragma once
 
 #include <span>
@@ -22,19 +23,33 @@ namespace unlatch {
 // Part of the step: corners that are nearer than this to an end of a sub-step are not inside it.
 inline constexpr double kNearCorner = 1e-5;
 
+// Which numbers of an evaluation have knots that are corners: law_places, altitudes, travels.
+enum class CornerOf : std::int32_t { kLaw, kAir, kTravel };
+
 struct PassedCorner {
-  std::int32_t place = kNone;  // in Evaluation::law_places or, of the air, Evaluation::altitudes; kNone: none is passed
-  bool of_air = false;
+  std::int32_t place = kNone;  // in these; kNone: none is passed
+  CornerOf of = CornerOf::kLaw;
   double knot = 0;     // that is passed there
   bool jumps = false;  // the law's value may jump there
 };
 
-// Numbers whose knots are corners.
+// Numbers whose knots are corners, as in Evaluation.
 struct CornerPlaces {
-  std::span<const double> laws;       // as Evaluation::law_places
-  std::span<const double> altitudes;  // as Evaluation::altitudes
-  [[nodiscard]] double get(const PassedCorner& of) const { return (of.of_air ? altitudes : laws)[at(of.place)]; }
+  std::span<const double> laws, altitudes, travels;
+  [[nodiscard]] double get(const PassedCorner& corner) const {
+    const std::span<const double>& own =
+        corner.of == CornerOf::kLaw ? laws : (corner.of == CornerOf::kAir ? altitudes : travels);
+    return own[at(corner.place)];
+  }
 };
+inline CornerPlaces get_corner_places(const Evaluation& ev) { return {ev.law_places, ev.altitudes, ev.travels}; }
+inline CornerPlaces get_middle_places(const Evaluation& ev) {
+  return {ev.middle_places, ev.middle_altitudes, ev.middle_travels};
+}
+// Those at the start of the sub-step.
+inline CornerPlaces get_corner_places(const EventSearch& search) {
+  return {search.places_low, search.altitudes_low, search.travels_low};
+}
 
 // The first corner that is passed in a sub-step from `begin` to `end`, by the chords between what the places have
 // at both ends. Corners very near either end do not count: what they cost in accuracy is rounding. Jumps count up to

@@ -38,6 +38,7 @@ void keep_low(Run& run) {
   std::copy_n(run.ev().law_places.begin(), run.search().places_low.size(), run.search().places_low.begin());
   if (!run.plan.sought_corners) return;
   std::copy(run.ev().altitudes.begin(), run.ev().altitudes.end(), run.search().altitudes_low.begin());
+  std::copy(run.ev().travels.begin(), run.ev().travels.end(), run.search().travels_low.begin());
   std::copy(run.ev().pair_features.begin(), run.ev().pair_features.end(), run.search().features_low.begin());
 }
 
@@ -216,10 +217,8 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return looks == most || try_substep(run, start, end) ? end : kFailed;
 }
 
-// --- Corners of laws and of the air ----------------------------------------------------------------------------------
-
-CornerPlaces get_low(const EventSearch& s) { return {s.places_low, s.altitudes_low}; }
-CornerPlaces get_now(const Evaluation& ev) { return {ev.law_places, ev.altitudes}; }
+// --- Corners of laws, of travels and of the air
+// ----------------------------------------------------------------------------------
 
 // False, and reported, if the step has been split at as many corners as it may be.
 bool may_split_at_corner(Run& run) {
@@ -231,7 +230,7 @@ bool may_split_at_corner(Run& run) {
 // The time of the first corner that the chords up to `end` show, of which the evaluation is; `end` if there is none, or
 // kFailed. The evaluation is of that time, guards_high too. `ended`: the corner at which the sub-step ends already.
 [[gnu::noinline]] double find_corner_time(Run& run, const SubstepStart& start, double end, PassedCorner& ended) {
-  const CornerPlaces at_begin = get_low(run.search()), now = get_now(run.ev());
+  const CornerPlaces at_begin = get_corner_places(run.search()), now = get_corner_places(run.ev());
   const PassedCorner corner = find_corner(run.plan, start.t, end, at_begin, now, ended);
   if (corner.place == kNone || !may_split_at_corner(run)) return end;
   ended = corner;
@@ -273,8 +272,8 @@ bool may_split_at_corner(Run& run) {
     if (reached < end) {
       end = reached;
     } else {
-      const PassedPlaces places{
-          get_low(run.search()), {run.ev().middle_places, run.ev().middle_altitudes}, get_now(run.ev())};
+      const PassedPlaces places{get_corner_places(run.search()), get_middle_places(run.ev()),
+                                get_corner_places(run.ev())};
       if (!passes_and_returns(run.plan, start.t, end, places) || !may_split_at_corner(run)) return end;
       end = 0.5 * (start.t + end);
       if (!try_substep(run, start, end)) return kFailed;

@@ -160,6 +160,7 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
 void keep_middle_places(Evaluation& ev) {
   std::copy_n(ev.law_places.begin(), ev.middle_places.size(), ev.middle_places.begin());
   std::copy(ev.altitudes.begin(), ev.altitudes.end(), ev.middle_altitudes.begin());
+  std::copy(ev.travels.begin(), ev.travels.end(), ev.middle_travels.begin());
 }
 
 int integrate_explicitly(const Instant& middle, const Instant& end, const SubstepStart& start, Evaluation& ev) {

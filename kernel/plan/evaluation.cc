@@ -74,6 +74,8 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.table_exits, plan.laws.tables.size());
   for (std::span<double>* altitudes : {&ev.altitudes, &ev.middle_altitudes})
     arena.take(*altitudes, plan.air_corners.empty() ? 0 : plan.aerodynamics.size());
+  for (std::span<double>* travels : {&ev.travels, &ev.middle_travels})
+    arena.take(*travels, plan.travels.empty() ? 0 : plan.one_sided.size());
   arena.take(ev.friction_sizes, plan.frictions.size());
   arena.take(ev.varying, plan.varying.size());
   arena.take(ev.modal, static_cast<std::size_t>(plan.modal_work));
@@ -123,6 +125,7 @@ void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
   arena.take(search.features_low, plan.contact_pairs.size());
   arena.take(search.places_low, static_cast<std::size_t>(plan.law_numbers.places));
   arena.take(search.altitudes_low, plan.air_corners.empty() ? 0 : plan.aerodynamics.size());
+  arena.take(search.travels_low, plan.travels.empty() ? 0 : plan.one_sided.size());
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
   const std::size_t rigid = plan.rigid_pairs > 0 ? plan.contact_pairs.size() : 0;
@@ -155,7 +158,8 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   for (TableExit& exit : ev.table_exits) exit = {};
   for (const std::span<std::int32_t> branches : {ev.branches, ev.branches_at_start})
     for (std::int32_t& branch : branches) branch = 0;
-  for (const std::span<double> places : {ev.law_places, ev.middle_places, ev.altitudes, ev.middle_altitudes})
+  for (const std::span<double> places :
+       {ev.law_places, ev.middle_places, ev.altitudes, ev.middle_altitudes, ev.travels, ev.middle_travels})
     for (double& place : places) place = 0;
   for (double& tolerance : data_->exact) tolerance = 0;
   for (std::uint8_t& unread : data_->unread) unread = 0;

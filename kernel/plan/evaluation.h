@@ -230,6 +230,10 @@ struct Evaluation {
   std::span<double> altitudes;         // m; NaN while it is off
   std::span<double> middle_altitudes;  // as middle_places
 
+  // computed by update_forces(), if some one-sided force has a table over its travel; per one-sided force
+  std::span<double> travels;         // m or rad; NaN while it does not act, or has no table
+  std::span<double> middle_travels;  // as middle_places
+
   // computed by begin_compliance() and begin_second_stage()
   std::span<CompliantSpring> compliant;  // as PlanData::compliant
 
@@ -326,8 +330,9 @@ struct EventSearch {
   std::span<double> rates_low, rates_high;    // per pair: Evaluation::pair_rates at both ends of the sub-step
   std::span<double> places_low;               // Evaluation::law_places at the start of the sub-step
   std::span<double> altitudes_low;            // Evaluation::altitudes at the start of the sub-step
+  std::span<double> travels_low;              // Evaluation::travels at the start of the sub-step
   std::span<PairFeature> features_low;        // Evaluation::pair_features at the start of the sub-step
-  std::int32_t corners;                       // of laws and of the air at which this step has been split
+  std::int32_t corners;                       // of laws, travels and the air at which this step has been split
   std::int32_t features;                      // changes of features at which it has been split
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // of values, for the evaluation of one guard

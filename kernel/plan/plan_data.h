@@ -57,7 +57,7 @@ struct PlanNumbers {
   bool solved_once = true;              // no laws, joint friction or rigid contacts: one solution has all forces
   std::int32_t rigid_pairs = 0;         // of PlanLists::contact_pairs, those of rigid contacts
   bool time_corners = false;            // forces may have some whose time is known: kernel/events/corners.h
-  bool place_corners = false;           // likewise some at places that laws or altitudes pass
+  bool place_corners = false;           // likewise some at places that laws, travels or altitudes pass
   bool sought_corners = false;          // likewise some that a sub-step is searched for, or closed pairs have
 
   PlanLawNumbers law_numbers;
@@ -97,6 +97,13 @@ inline std::int32_t count_rigid_rows(const PlanData& plan) {
 }
 inline bool has_rigid_friction(const PlanData& plan) {
   return plan.rigid_pairs > 0 && count_rigid_rows(plan) > plan.rigid_pairs;
+}
+
+// Calls use(one-sided force, its travels) with each whose force is a table over its travel: its knots are corners.
+void for_each_travel_corner(const PlanData& plan, const auto& use) {
+  if (plan.travels.empty()) return;
+  for (const PlanOneSided& own : plan.one_sided)
+    if (own.count > 0) use(own, std::span<const double>(plan.travels).subspan(at(own.first), at(own.count)));
 }
 
 inline const PlanData& get_data(const Plan& plan) noexcept { return *plan.data_; }

@@ -168,6 +168,7 @@ class SideBySide {
     std::copy(ev_.pair_rates.begin(), ev_.pair_rates.end(), search_.rates_low.begin());
     std::copy_n(ev_.law_places.begin(), search_.places_low.size(), search_.places_low.begin());
     std::copy(ev_.altitudes.begin(), ev_.altitudes.end(), search_.altitudes_low.begin());
+    std::copy(ev_.travels.begin(), ev_.travels.end(), search_.travels_low.begin());
     const Instant end = get_instant(end_);
     const SubstepStart start = begin_substep(get_instant(begin_), Contacts::kExplicit, ev_);
     if (integrate(end, start, end_, ev_) != kNone || evaluate(end, Changed::kVelocities, ev_) != kNone) return false;
@@ -194,9 +195,8 @@ class SideBySide {
         return false;
     if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
     if (own.place_corners) {
-      const PassedPlaces places{{get_places(m, search_.places_low), get_altitudes(m, search_.altitudes_low)},
-                                {get_places(m, ev_.middle_places), get_altitudes(m, ev_.middle_altitudes)},
-                                {get_places(m, ev_.law_places), get_altitudes(m, ev_.altitudes)}};
+      const PassedPlaces places{get_own(m, get_corner_places(search_)), get_own(m, get_middle_places(ev_)),
+                                get_own(m, get_corner_places(ev_))};
       if (find_corner(own, begin_, end_, places.at_begin, places.at_end).place != kNone ||
           passes_and_returns(own, begin_, end_, places))
         return false;
@@ -205,7 +205,7 @@ class SideBySide {
         find_burnt_knot(own, begin_, end_, get_burnt(m, state_.auxiliary), get_burnt(m, ev_.auxiliary.now)).mass !=
             kNone)
       return false;
-    if (runs_[m].log != nullptr && (!own.laws.empty() || !own.air_corners.empty()) &&
+    if (runs_[m].log != nullptr && (!own.laws.empty() || own.place_corners) &&
         mark_corners(own, *runs_[m].state, begin_, end_, get_course(m)).any())
       return false;  // its own step logs it
     const auto first = at(data_.members[m].pair);
@@ -216,23 +216,24 @@ class SideBySide {
     return true;
   }
 
-  std::span<const double> get_places(std::size_t m, std::span<const double> places) const {
-    return places.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
-  }
-
-  std::span<const double> get_altitudes(std::size_t m, std::span<const double> altitudes) const {
+  // A member's part of what has corners; `all.laws` is empty where no law of any member has some.
+  CornerPlaces get_own(std::size_t m, const CornerPlaces& all) const {
     const PlanData& own = get_data(*runs_[m].plan);
-    return own.air_corners.empty() ? std::span<const double>{}
-                                   : altitudes.subspan(at(data_.members[m].aerodynamics), own.aerodynamics.size());
+    const BundleMember& member = data_.members[m];
+    CornerPlaces places;
+    if (!all.laws.empty()) places.laws = all.laws.subspan(at(member.law_place), at(own.law_numbers.places));
+    if (!own.air_corners.empty())
+      places.altitudes = all.altitudes.subspan(at(member.aerodynamics), own.aerodynamics.size());
+    if (!own.travels.empty()) places.travels = all.travels.subspan(at(member.one_sided), own.one_sided.size());
+    return places;
   }
 
-  LawCourse get_course(std::size_t m) const {
+  CornerCourse get_course(std::size_t m) const {
     const auto branches = [&](std::span<const std::int32_t> all) {
       return all.subspan(at(data_.members[m].law_place), at(get_data(*runs_[m].plan).law_numbers.places));
     };
-    return {get_places(m, search_.places_low),       get_places(m, ev_.law_places),
-            branches(ev_.branches_at_start),         branches(ev_.branches),
-            get_altitudes(m, search_.altitudes_low), get_altitudes(m, ev_.altitudes)};
+    return {get_own(m, get_corner_places(search_)), get_own(m, get_corner_places(ev_)), branches(ev_.branches_at_start),
+            branches(ev_.branches)};
   }
 
   bool leaves_table(std::size_t m) const {

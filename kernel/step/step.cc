@@ -61,10 +61,9 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
   std::copy(run.ev().quantities.begin(), run.ev().quantities.end(), knot.quantities.begin());
 }
 
-LawCourse get_course(const Run& run) {
+CornerCourse get_course(const Run& run) {
   const Evaluation& ev = run.ev();
-  return {run.search().places_low,    ev.law_places, ev.branches_at_start, ev.branches,
-          run.search().altitudes_low, ev.altitudes};
+  return {get_corner_places(run.search()), get_corner_places(ev), ev.branches_at_start, ev.branches};
 }
 
 // Logs the end of the sub-step that began at `begin`. A law that jumps there has the value that the stages approached;

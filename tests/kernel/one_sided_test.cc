@@ -134,7 +134,7 @@ TEST(OneSided, ATableGivesTheAreaUnderIt) {
   Simulation s(model);
   run(s, model, 300);
   const double work = 85 * 0.02 + 75 * 0.02 + 30 * 0.01;
-  EXPECT_NEAR(get_speed(s), std::sqrt(2 * work / kReduced), 3e-5);  // corners within steps
+  EXPECT_NEAR(get_speed(s), std::sqrt(2 * work / kReduced), kSpeed) << "a step saw a corner of the table";
 }
 
 TEST(OneSided, FrictionTakesItsPartOfTheWork) {

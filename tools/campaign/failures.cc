@@ -8,10 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "hil/scenario/yaml/setting.h"
 #include "hil/study/evaluation/results.h"
 #include "hil/study/sampling/subset.h"
 #include "hil/study/statistics/statistics.h"
 #include "tools/campaign/column_statistics.h"
+#include "tools/common/text.h"
 
 namespace unlatch::tools {
 namespace {
@@ -294,6 +296,45 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
     before *= level.probability;
   }
   return json;
+}
+
+std::string describe_rare_failure(const Json& rare) {
+  return rare.at("column").get<std::string>() + (rare.at("above").get<bool>() ? " above " : " below ") +
+         hil::to_text(rare.at("limit").get<double>()) + " " + rare.at("unit").get<std::string>();
+}
+
+RareResult describe_rare_result(const Json& rare) {
+  if (!rare.at("finished").get<bool>()) return {"not finished", ""};
+  const double most = rare.at("interval")[1].get<double>();
+  if (const auto unresolved = rare.at("unresolved_samples").get<long long>(); unresolved > 0)
+    return {format("probability at most %.2e (95 %%)", most) + ", without an estimate: " +
+                count(unresolved, "unresolved sample") + (unresolved == 1 ? " is" : " are") + " taken for a failure",
+            ""};
+  if (!rare.at("unseen").empty()) {
+    std::string names;
+    for (const Json& name : rare.at("unseen")) names += (names.empty() ? "" : ", ") + name.get<std::string>();
+    return {format("undecided: probability at most %.2e (95 %%), without an estimate: failures have values of %s", most,
+                   names.c_str()) +
+                " that none of the independent samples has: more samples",
+            ""};
+  }
+  if (!rare.at("decided").get<bool>()) {
+    const long long failed = rare.at("levels_run").back().at("failed").get<long long>();
+    return {format("undecided: probability at most %.2e (95 %%), without an estimate: %lld of the last level fail",
+                   most, failed) +
+                (rare.at("tied").get<bool>()
+                     ? ", and so many of the others have the same margin that no level leads further: more samples, or "
+                       "another column whose values differ"
+                     : ": more levels"),
+            ""};
+  }
+  return {format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
+                 rare.at("interval")[0].get<double>(), most),
+          ", coefficient of variation " +
+              (rare.at("deviation").is_null() ? std::string("–") : format("%.2f", rare.at("deviation").get<double>())) +
+              (rare.at("reached").get<bool>() ? ""
+               : rare.at("tied").get<bool>()  ? "; few samples fail, and no level leads further: more samples"
+                                              : "; the last level had too few failures: more levels")};
 }
 
 }  // namespace unlatch::tools

@@ -27,4 +27,12 @@ Json list_worst(const CampaignData& data);
 // Levels of subset sampling, its estimate, and the probability of each margin: [margin, probability] from 1 down.
 Json describe_rare(const CampaignData& data, const hil::RareFailure& failure);
 
+// "gap below 0.01 m". `rare`: of describe_rare().
+std::string describe_rare_failure(const Json& rare);
+// The probability that a subset simulation found, or why there is none, and how sure it is.
+struct RareResult {
+  std::string text, remark;
+};
+RareResult describe_rare_result(const Json& rare);
+
 }  // namespace unlatch::tools

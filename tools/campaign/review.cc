@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "hil/scenario/yaml/setting.h"
+#include "tools/campaign/failures.h"
 #include "tools/common/text.h"
 
 namespace unlatch::tools {
@@ -127,7 +128,12 @@ std::string write_review(const Json& summary) {
                      summary.at("hash").get<std::string>() + ".";
   for (const auto& [name, number] : summary.at("statuses").items())
     if (number > 0) text += " " + std::to_string(number.get<long long>()) + " " + name + ".";
-  text += "\n\n## Requirements\n\n";
+  if (summary.contains("rare")) {
+    const RareResult result = describe_rare_result(summary.at("rare"));
+    text += "\n\n## Subset simulation: " + describe_rare_failure(summary.at("rare")) + "\n\n" + result.text +
+            result.remark + ".";
+  }
+  text += summary.contains("rare") ? "\n\n## Requirements, first level alone\n\n" : "\n\n## Requirements\n\n";
   if (const Json& basis = summary.at("basis"); !basis.at("text").get<std::string>().empty())
     text +=
         "Sampling " + basis.at("sampling").get<std::string>() + ": " + basis.at("text").get<std::string>() + ".\n\n";
@@ -146,7 +152,11 @@ std::string write_review(const Json& summary) {
                     show(input, input.at("mean"), "%.5g"), show(input, input.at("deviation"), "%.5g"),
                     show(input, input.at("max"), "%.5g")});
   const bool drawn = !summary.at("basis").at("draws").is_null();
-  return text + (drawn ? "\n## Inputs, as drawn\n\n" : "\n## Inputs, as chosen\n\n") + to_markdown(rows);
+  return text +
+         (summary.contains("rare") ? "\n## Inputs, as drawn in the first level\n\n"
+          : drawn                  ? "\n## Inputs, as drawn\n\n"
+                                   : "\n## Inputs, as chosen\n\n") +
+         to_markdown(rows);
 }
 
 }  // namespace unlatch::tools

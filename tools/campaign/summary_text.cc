@@ -7,17 +7,13 @@
 #include <vector>
 
 #include "hil/scenario/yaml/setting.h"
+#include "tools/campaign/failures.h"
 #include "tools/campaign/review.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 
 namespace unlatch::tools {
 namespace {
-
-std::string describe_failure(const Json& rare) {
-  return rare.at("column").get<std::string>() + (rare.at("above").get<bool>() ? " above " : " below ") +
-         hil::to_text(rare.at("limit").get<double>()) + " " + rare.at("unit").get<std::string>();
-}
 
 std::string describe_number(const Json& value, const char* form) {
   return value.is_null() ? std::string("–") : format(form, value.get<double>());
@@ -39,8 +35,7 @@ std::string describe_tolerance(const Json& requirement) {
 }
 
 void print_rare(std::FILE* to, const Json& rare) {
-  const std::string unit = rare.at("unit");
-  print_heading(to, "Subset simulation: " + describe_failure(rare));
+  print_heading(to, "Subset simulation: " + describe_rare_failure(rare));
   std::fprintf(to, "  %-6s %16s %14s %14s %10s %10s\n", "level", "samples", "margin", "probability", "c.o.v.",
                "accepted");
   int number = 0;
@@ -54,47 +49,11 @@ void print_rare(std::FILE* to, const Json& rare) {
                  number == 0 ? "" : describe_number(level.at("acceptance"), "%.2f").c_str());
     ++number;
   }
-  if (!rare.at("finished").get<bool>()) {
-    std::fprintf(to, "  not finished\n");
-    return;
-  }
-  if (const auto unresolved = rare.at("unresolved_samples").get<long long>(); unresolved > 0) {
-    const std::string most = format("probability at most %.2e (95 %%)", rare.at("interval")[1].get<double>()) +
-                             ", without an estimate: " + count(unresolved, "unresolved sample") +
-                             (unresolved == 1 ? " is" : " are") + " taken for a failure";
-    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, most).c_str());
-    return;
-  }
-  if (!rare.at("unseen").empty()) {
-    std::string names;
-    for (const Json& name : rare.at("unseen")) names += (names.empty() ? "" : ", ") + name.get<std::string>();
-    const std::string open =
-        format("undecided: probability at most %.2e (95 %%), without an estimate: failures have values of %s",
-               rare.at("interval")[1].get<double>(), names.c_str()) +
-        " that none of the independent samples has: more samples";
-    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, open).c_str());
-    return;
-  }
-  if (!rare.at("decided").get<bool>()) {
-    const long long failed = rare.at("levels_run").back().at("failed").get<long long>();
-    const std::string open =
-        format("undecided: probability at most %.2e (95 %%), without an estimate: %lld of the last level fail",
-               rare.at("interval")[1].get<double>(), failed) +
-        (rare.at("tied").get<bool>() ? ", and so many of the others have the same margin that no level leads further: "
-                                       "more samples, or another column whose values differ"
-                                     : ": more levels");
-    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, open).c_str());
-    return;
-  }
-  const std::string text = format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
-                                  rare.at("interval")[0].get<double>(), rare.at("interval")[1].get<double>());
-  const bool met = rare.at("met").get<bool>();
-  std::fprintf(to, "  %s, coefficient of variation %s%s\n",
-               paint(to, met ? Colour::kGreen : Colour::kRed, text).c_str(),
-               describe_number(rare.at("deviation"), "%.2f").c_str(),
-               rare.at("reached").get<bool>() ? ""
-               : rare.at("tied").get<bool>()  ? "; few samples fail, and no level leads further: more samples"
-                                              : "; the last level had too few failures: more levels");
+  const RareResult result = describe_rare_result(rare);
+  const bool finished = rare.at("finished").get<bool>(), met = finished && rare.at("met").get<bool>();
+  std::fprintf(to, "  %s%s\n",
+               finished ? paint(to, met ? Colour::kGreen : Colour::kRed, result.text).c_str() : result.text.c_str(),
+               result.remark.c_str());
 }
 
 constexpr std::size_t kNamed = 10;  // samples that are listed
@@ -171,6 +130,13 @@ std::vector<Influence> list_influences(const Json& sensitivity, const Json& inpu
   return list;
 }
 
+// Every sample with a value has the same one.
+bool has_one_value(const Json& column) { return column.at("min").is_number() && column.at("min") == column.at("max"); }
+bool is_constant(const Json& inputs, const std::string& name) {
+  const auto input = std::ranges::find_if(inputs, [&](const Json& one) { return one.at("name") == name; });
+  return input != inputs.end() && has_one_value(*input);
+}
+
 const char* get_influence_heading(const Json& sensitivity) {
   if (sensitivity.contains("sobol"))
     return "Influences: Sobol' totals, parts of a value's variance that go with an input, alone or with others";
@@ -232,6 +198,7 @@ void print_requirements(std::FILE* to, const Json& summary) {
 void print_influences(std::FILE* to, const Json& summary) {
   constexpr std::size_t kMost = 5;
   constexpr double kExplained = 0.8;  // of the variance: less is said
+  const bool whole = summary.at("samples") == summary.at("planned");
   bool begun = false;
   for (const Json& requirement : summary.at("requirements")) {
     const std::string id = requirement.at("id");
@@ -253,15 +220,20 @@ void print_influences(std::FILE* to, const Json& summary) {
       if (++printed <= kMost) text += (text.empty() ? "" : ", ") + one.text;
     }
     if (printed > kMost) text += ", and " + count(printed - kMost, "other input");
-    std::string open;
-    for (const Influence& one : list)
-      if (!one.estimated) open += (open.empty() ? "" : ", ") + one.input;
-    if (text.empty() && !alone && sensitivity.contains("first_order"))
+    std::string open, constant;
+    for (const Influence& one : list) {
+      std::string& names = whole && is_constant(summary.at("inputs"), one.input) ? constant : open;
+      if (!one.estimated) names += (names.empty() ? "" : ", ") + one.input;
+    }
+    if (has_one_value(*column)) {
+      text = "none: all values are equal";
+    } else if (text.empty() && !alone && sensitivity.contains("first_order")) {
       text = "not estimated: fewer than 40 values";
-    else if (!open.empty())
-      text += (text.empty() ? "" : "; ") + ("not estimated, since samples have no value: " + open);
-    else if (text.empty())
-      text = alone ? "of no input distinct from chance" : "of no input";
+    } else {
+      if (!open.empty()) text += (text.empty() ? "" : "; ") + ("not estimated, since samples have no value: " + open);
+      if (!constant.empty()) text += (text.empty() ? "" : "; ") + ("not dispersed: " + constant);
+    }
+    if (text.empty()) text = alone ? "of no input distinct from chance" : "of no input";
     if (alone) text += format("; chance reaches %.2g", least);
     if (sensitivity.contains("blocks")) {
       const std::int64_t used = sensitivity.at("blocks").at("used").get<std::int64_t>(),

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/run/analysis/extreme_verdict.h"
+#include "hil/run/analysis/step_uncertainty.h"
 #include "hil/run/audit/step_audit.h"
+#include "hil/run/notices/format.h"
 #include "hil/scenario/base/index.h"
 
 namespace unlatch::hil {
@@ -41,6 +44,7 @@ void RunAnalysis::update(const StepReport& report, std::span<const LogReceived> 
     peaks_.begin(simulation_.get_time(), simulation_.workspace().multipliers);
   } else {
     requirements_.begin_step(report);
+    if (report.settled > 0) contacts_.add_settled(report.settled, simulation_.get_motion());
     add_motion(report.events);
   }
   add_received(received);
@@ -144,6 +148,27 @@ double calc_doubtful_part(const Verdict& verdict) {
   return size > 0 ? std::max(kLeast, std::abs(verdict.margin) / (StepAudit::kPhase * size)) : HUGE_VAL;
 }
 
+// The contact of whose slip's path the requirement is.
+std::optional<int> find_slipping_contact(const Model& model, const Requirement& requirement) {
+  if (requirement.quantity == Requirement::Measure::kContact)
+    return static_cast<Requirement::ContactValue>(requirement.axis) == Requirement::ContactValue::kSlip
+               ? std::optional(requirement.a)
+               : std::nullopt;
+  if (requirement.quantity != Requirement::Measure::kQuantity) return {};
+  const unlatch::Quantity& quantity = model.quantities[at(requirement.a)];
+  return quantity.kind == unlatch::Quantity::Kind::kContactSlip ? std::optional(quantity.subject) : std::nullopt;
+}
+
+// Adds to a verdict's uncertainty; where the limit lies within that, or it is more than kKnown allows, the verdict is
+// unresolved. `describe`: by what.
+template <class Describe>
+void widen(double by, Verdict& verdict, const Describe& describe) {
+  verdict.uncertainty += by;
+  const double known = kKnown * std::max(std::abs(verdict.value), kLimitPart * std::abs(verdict.limit));
+  const bool may_differ = verdict.is_uncertain() && std::abs(verdict.margin) < verdict.uncertainty;
+  if (verdict.is_resolved() && (may_differ || verdict.uncertainty > known)) verdict.unresolved = describe();
+}
+
 }  // namespace
 
 std::vector<Verdict> RunAnalysis::judge() const {
@@ -161,6 +186,23 @@ std::vector<Verdict> RunAnalysis::judge() const {
       if (const double part = calc_doubtful_part(verdict); part < StepAudit::kLimit && largest > part)
         cause = accuracy_.get_doubtful(part).find_cause(requirement, until, verdict.time);
     if (!cause.empty()) verdict.unresolved = std::move(cause);
+    if (!verdict.evaluated || requirement.is_of_events()) continue;
+    const double of_steps =
+        calc_step_uncertainty(scenario_.model, requirement, verdict.value, until, accuracy_.get_steps());
+    if (of_steps > Verdict::kExact * std::abs(verdict.value))
+      widen(of_steps, verdict, [&] {
+        return format(
+            "the steps make an error of some %.2g in %.6g, as those show that were taken again as two halves; a "
+            "smaller step would do",
+            of_steps, verdict.value);
+      });
+    if (const auto contact = find_slipping_contact(scenario_.model, requirement))
+      widen(contacts_.get_slip_uncertainty(*contact), verdict, [&] {
+        return format(
+            "its bounces ended, and how long it would have flown meanwhile, without a slip, is not known: %.6g m is "
+            "known to %.2g m only; a smaller `settle`, or a smaller step, would do",
+            verdict.value, verdict.uncertainty);
+      });
   }
   return verdicts;
 }

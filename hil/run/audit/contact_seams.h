@@ -1,11 +1,13 @@
-// ContactSeams: spheres that two shapes push where there is one surface. At the seam of two boxes that lie flush, or
+// ContactSeams: shapes that two others push where there is one surface. At the seam of two boxes that lie flush, or
 // where shapes of one surface overlap, each shape has a force of its own, by its own depth: together they push up to
 // twice as hard as one shape would. A sphere between two walls touches both, too, and rightly so: there neither point
-// of contact lies on the other wall. Looked at where steps end.
+// of contact lies on the other wall. So do the two ends of a bar on two boxes. Looked at at the knots of each step and,
+// since the second shape's depth begins at 0 where it touches, halfway between them.
 #pragma once
 
 #include <compare>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hil/run/simulation/simulation.h"
@@ -21,28 +23,37 @@ struct ContactSeam {
 class ContactSeams {
  public:
   explicit ContactSeams(const Simulation& simulation);
-  // Contacts with such a sphere at the present tick, the worst of each; valid until the next call.
+  // Contacts with such a shape in the latest step, the worst of each; valid until the next call.
   std::span<const ContactSeam> update();
 
  private:
-  // A pair of a contact: a sphere, and a shape of another kind of the other body.
+  // A pair of a contact: a shape of one body, and one of the other body that pushes it.
   struct Pair {
     int contact = 0, number = 0;  // in the model; among the pairs of the contact
-    // The sphere, whichever contact it is of, and the body that it may touch with several shapes.
-    struct Sphere {
+    // The pushed shape, whichever contact it is of, and the body that it may touch with several shapes.
+    struct Pushed {
       int body = kGround, surface = kGround;  // `surface`: the other body
-      double x = 0, y = 0, z = 0, radius = 0;
-      auto operator<=>(const Sphere&) const = default;
+      std::size_t shape = 0;                  // among all shapes that were met so far
+      auto operator<=>(const Pushed&) const = default;
     };
-    Sphere sphere;
-    geometry::ShapeGroup ball, surface;  // one shape each
+    Pushed pushed;
+    geometry::ShapeGroup own, surface;  // one shape each
   };
-  void watch(int contact, bool balls_are_base);
+  // Where the bodies are, and the state that tells which pairs are closed.
+  struct Instant {
+    const State& from;
+    const State& to;
+    bool halfway = false;
+  };
+  void watch(int contact, bool own_is_base);
+  std::size_t find_shape(int body, const geometry::Shape& shape);
+  void look(const Instant& instant);
   void add(const Pair& shallow, double part);
 
   const Simulation& simulation_;
-  geometry::ShapeGroup point_;  // where two shapes are asked for a point of contact
-  std::vector<Pair> pairs_;     // those of one sphere follow one another
+  geometry::ShapeGroup point_;                           // where two shapes are asked for a point of contact
+  std::vector<Pair> pairs_;                              // those of one pushed shape follow one another
+  std::vector<std::pair<int, geometry::Shape>> shapes_;  // with their bodies
   std::vector<ContactSeam> found_;
 };
 

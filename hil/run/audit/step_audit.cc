@@ -231,6 +231,32 @@ void StepAudit::add_error(Course& course, const std::array<double, kMotionParts>
       course.from[i] = course.since[i] - (between + 1) * simulation_.plan().get_options().dt;
     }
   }
+  mark(course);
+}
+
+StepAudit::BodyErrors StepAudit::get_errors(const Course& course) {
+  BodyErrors errors;
+  errors.error = course.error;
+  for (std::size_t i = 0; i < errors.change.size(); ++i) errors.change[i] = course.get_change(i);
+  return errors;
+}
+
+// Errors grow from rounding on: by kGrowth some 200 times until they are as large as what they are of.
+void StepAudit::mark(Course& course) const {
+  const auto has_grown = [&course](std::size_t i) {
+    return course.error[i] > kGrowth * course.marks.back().errors.error[i] &&
+           course.error[i] > kCalm / 64 * course.get_change(i);
+  };
+  bool grown = course.marks.empty();
+  for (std::size_t i = 0; i < course.error.size() && !grown; ++i) grown = has_grown(i);
+  if (grown) course.marks.push_back({simulation_.get_time(), get_errors(course)});
+}
+
+// The errors came up between two marks: those of the later one hold.
+StepAudit::BodyErrors StepAudit::get_errors(int body, double until) const {
+  const Course& course = courses_[at(body)];
+  const auto mark = std::ranges::lower_bound(course.marks, until, {}, &Mark::time);
+  return mark == course.marks.end() ? get_errors(course) : mark->errors;
 }
 
 // The while from the first to the last of several, with the part that was last.

@@ -76,6 +76,11 @@ class StepAudit {
   [[nodiscard]] std::vector<StepError> list_passed() const;
   // Of each body whose error is more than this part of what its motion has changed, the part that is worst.
   [[nodiscard]] std::vector<StepError> list_errors(double part) const;
+  // Errors of the steps in a body's motion until a time, s, and what its parts had changed by then.
+  struct BodyErrors {
+    std::array<double, kMotionParts> error{}, change{};
+  };
+  [[nodiscard]] BodyErrors get_errors(int body, double until) const;
   // Steps that were taken again, of all so far.
   [[nodiscard]] std::int64_t get_compared() const { return compared_; }
   [[nodiscard]] std::int64_t get_ticks() const { return ticks_; }
@@ -103,12 +108,19 @@ class StepAudit {
       return jump;
     }
   };
+  // The errors by a step that was taken again, kept where one of them had grown by kGrowth since the mark before.
+  struct Mark {
+    double time = 0;  // s, the end of that step
+    BodyErrors errors;
+  };
+  static constexpr double kGrowth = 1.25;
   // What a body's motion has changed, and the errors of its steps.
   struct Course {
     BodyState start;
     Pace v, w;
     std::array<double, kMotionParts> squared_change{}, error{}, latest{}, since = make_never(), from = make_never();
     StepError passed{};                                       // `until` is kNever if there was none
+    std::vector<Mark> marks{};                                // in their order
     [[nodiscard]] double get_change(std::size_t part) const;  // at least that of a body at rest
   };
   // Plan of half the step, and memory to step with it.
@@ -134,6 +146,8 @@ class StepAudit {
   double compare(std::int64_t tick);
   void add_error(Course& course, const std::array<double, kMotionParts>& errors, double between);
   void add_passed(Course& course, std::size_t part) const;
+  void mark(Course& course) const;
+  [[nodiscard]] static BodyErrors get_errors(const Course& course);
   [[nodiscard]] StepError find_worst(int body) const;
   [[nodiscard]] const State& find_before() const;
   void keep();

@@ -157,7 +157,11 @@ void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side
         refine(stencil.get_from(), stencil.get_to(), finer, side))
       return;
   }
-  const Bound own = look(stencil, side);
+  Bound own = look(stencil, side);
+  if (is_within_ && !is_known(own) && own.ratio > ValueStencil::kRough) {
+    own.least = std::min(own.least, calc_least_by_secants(stencil.get_from(), side));
+    own.most = std::max(own.most, std::min(side.sign * stencil.get_at_from(), side.sign * stencil.get_at_to()));
+  }
   if (own.least < side.bound->value && !is_known(own) && refine(stencil.get_from(), stencil.get_to(), finer, side))
     return;
   merge(own, *side.bound);
@@ -165,6 +169,21 @@ void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side
 
 bool ExtremeBounds::is_known(const Bound& bound) const {
   return bound.most - bound.least <= kFine * std::max(std::abs(bound.value), kFloor * size_);
+}
+
+// Where the secant of the interval before this one and that of the interval behind it meet within it: a convex dip does
+// not go below. Infinity if there is no such point.
+double ExtremeBounds::calc_least_by_secants(double from, Side side) const {
+  const auto i = static_cast<std::size_t>(std::find(times_, times_ + count_, from) - times_);
+  if (i == 0 || i + 2 >= count_) return std::numeric_limits<double>::infinity();
+  const auto calc_slope = [&](std::size_t k) {
+    return side.sign * (values_[k + 1] - values_[k]) / (times_[k + 1] - times_[k]);
+  };
+  const double before = calc_slope(i - 1), behind = calc_slope(i + 1), h = times_[i + 1] - times_[i];
+  const double at_from = side.sign * values_[i], at_to = side.sign * values_[i + 1];
+  if (!(before < 0 && behind > 0)) return std::numeric_limits<double>::infinity();
+  const double s = (at_to - at_from - behind * h) / (before - behind);
+  return s > 0 && s < h ? at_from + before * s : std::numeric_limits<double>::infinity();
 }
 
 // False if nothing finer is known there.

@@ -4,6 +4,8 @@
 // smooth run of knots has, give or take its uncertainty u (ValueStencil). Where u matters, where a smooth run has few
 // knots, and between two knots behind which nothing goes on smoothly, values between the two are asked for
 // (FinerValues), and the extremes are those of these. If there are none, u stays; of two knots alone it is not known.
+// Where even these do not tell it, as of the distance of two points that pass each other within one of the shorter
+// steps, the quantity is taken to go on no farther than the secants before and behind meet.
 //
 // Cost: some comparisons for each knot; the differences of six knots, where these come near an extreme; some thousand
 // operations where the polynomial, as far as its terms reach from the chord between the interval's ends, may have one.
@@ -75,6 +77,7 @@ class ExtremeBounds {
   [[nodiscard]] Bound look(const ValueStencil& stencil, Side side) const;
   [[nodiscard]] bool may_matter(double end, double change, Side side) const;
   [[nodiscard]] bool is_known(const Bound& bound) const;
+  [[nodiscard]] double calc_least_by_secants(double from, Side side) const;
   bool refine(double from, double to, FinerValues* finer, Side side) const;
   [[nodiscard]] bool leaves_out(std::size_t interval) const;
   [[nodiscard]] bool is_here(double time) const { return time >= from_ && time <= to_; }

@@ -143,8 +143,21 @@ double LawCurve::Read::calc_uncertainty(double time) const {
   const double passed = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
   if (bulge > 0) return bulge * 4 * passed * (1 - passed);
   const auto [smooth, uncertainty] = stencil->calc(time);
+  if (secants) return std::max(uncertainty, smooth - secants->calc(time));
   // A square below zero is wrong by as much, and may be by twice that.
   return part == SmoothPart::kItself ? uncertainty : std::max(uncertainty, -2 * smooth);
+}
+
+void LawCurve::Read::draw_secants(std::size_t number) {
+  const std::span<const double> times = curve.get_times(), values = curve.get_values();
+  secants.reset();
+  const bool is_distance = traits == &get_traits(unlatch::Quantity::Kind::kClearance);
+  if (!is_distance || number == 0 || number + 2 >= times.size() || !(stencil->get_ratio() > ValueStencil::kRough))
+    return;
+  const auto calc_slope = [&](std::size_t k) { return (values[k + 1] - values[k]) / (times[k + 1] - times[k]); };
+  const double before = calc_slope(number - 1), behind = calc_slope(number + 1);
+  if (before < calc_slope(number) && calc_slope(number) < behind)
+    secants = {times[number], values[number], before, times[number + 1], values[number + 1], behind};
 }
 
 // The law and its bounds from one time to another, what it reads being a parabola through the three instants.
@@ -240,6 +253,7 @@ void LawCurve::search(const Interval& interval, std::size_t number, double sign,
   for (Read& read : read_) {
     const std::span<const double> times = read.curve.get_times(), values = read.curve.get_values();
     read.stencil.emplace(times, values, number);
+    read.draw_secants(number);
     const double from = values[number], to = values[number + 1], h = times[number + 1] - times[number];
     read.bulge = 0;
     if (times.size() == 2)

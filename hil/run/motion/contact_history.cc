@@ -168,6 +168,23 @@ void ContactHistory::add_bounce(Track& track, std::size_t contact, const MotionK
   touch.impulse = impulse;
 }
 
+void ContactHistory::add_settled(int bounces, std::span<const MotionKnot> knots) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Contact& contact = scenario_.model.contacts[i];
+    if (!contact.rigid) continue;
+    double fastest = 0;
+    for (const MotionKnot& knot : knots) fastest = std::max(fastest, calc(knot.state, static_cast<int>(i)).slip);
+    const double flight = contact.settle.value_or(0.5 * scenario_.dt);
+    tracks_[i].record.slip_uncertainty += fastest * bounces * flight / (1 - contact.restitution.value_or(0));
+  }
+}
+
+double ContactHistory::get_slip_uncertainty(int contact) const {
+  const ContactRecord& record = tracks_[static_cast<std::size_t>(contact)].record;
+  const double slip = get_contact_totals(simulation_.plan(), simulation_.state(), contact).slip;
+  return std::min(record.slip_uncertainty, slip);
+}
+
 ContactReading ContactHistory::calc(const State& state, int contact) const {
   return is_closed(state, static_cast<std::size_t>(contact)) ? readings_.get(state, contact) : ContactReading{};
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,7 @@ struct ContactRecord {
   double peak_force = 0, peak_time = 0;          // F_n, N; s
   double depth = 0;                              // largest, m
   ContactTotals totals;                          // N s, m, J
+  double slip_uncertainty = 0;                   // how far the path of its slip may be wrong, m: add_settled()
   std::vector<Touch> list;                       // the first kMostTouches
   static constexpr std::size_t kMostTouches = 1000;
 };
@@ -75,6 +77,12 @@ class ContactHistory {
   void add_events(const MotionKnot& before, const MotionKnot& after);
   // Adds the piece between these knots, to which the window has moved.
   void add(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Adds a step in which so many bounces of rigid contacts ended, since the next flight would have been shorter than
+  // `settle`. A pair that stays in touch slips in the time in which it would have flown, settle (1 + e + e² + …) at
+  // most.
+  void add_settled(int bounces, std::span<const MotionKnot> knots);
+  // How far the path of a contact's slip may be wrong so far, m.
+  [[nodiscard]] double get_slip_uncertainty(int contact) const;
   // Records of the run so far, in the order of the model.
   [[nodiscard]] std::vector<ContactRecord> list() const;
 

@@ -339,7 +339,7 @@ void NoticeWatch::watch_seams() {
         doubled_[at(seam.contact)], "seam", contact.name, seam.part,
         [&] {
           return format(
-              "two shapes of one surface push a sphere at one point, the second one at %.2g of the first one's depth: "
+              "two shapes of one surface push a shape at one point, the second one at %.2g of the first one's depth: "
               "each adds its force; give the surface one shape there, a box or a hull over both",
               seam.part);
         },

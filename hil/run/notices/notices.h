@@ -17,7 +17,7 @@
 //              a blow on several rough feet that is found to a part of its speeds only
 //   jump*      the point of contact of a face or a straight line jumps from end to end, and more than kJumpNotice of
 //              the bodies' rotation depends on which end bears the force; beyond kJumpFailure they are unresolved
-//   seam*      two shapes of one surface push a sphere at one point: its force is up to twice that of one surface;
+//   seam*      two shapes of one surface push a shape at one point: its force is up to twice that of one surface;
 //   beyond
 //              kSeamFailure the bodies are unresolved
 //   friction*  dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate

@@ -1,5 +1,6 @@
 // What the search for events within a step left open.
 #include <algorithm>
+#include <set>
 
 #include "hil/run/audit/dependence.h"
 #include "hil/run/notices/format.h"
@@ -18,6 +19,18 @@ constexpr double kYielded = 1e-6;  // of the speeds in a blow: reported above it
 const std::string& get_guard_name(const Model& model, int guard) {
   const std::size_t i = at(guard), events = model.events.size();
   return i < events ? model.events[i].name : model.contacts[i - events].name;
+}
+
+// Bodies that a law pushes, or a pusher, a stop or a cord with a table over its travel.
+std::vector<int> list_cornered_bodies(const Model& model) {
+  std::set<int> bodies;
+  for (const std::vector<int>& own : list_bodies_of_laws(model)) bodies.insert(own.begin(), own.end());
+  for (std::size_t i = 0; i < model.one_sided.size(); ++i) {
+    if (model.one_sided[i].travels.empty()) continue;
+    const std::vector<int> own = list_element_bodies(model, get_first_one_sided(model) + static_cast<int>(i));
+    bodies.insert(own.begin(), own.end());
+  }
+  return {bodies.begin(), bodies.end()};
 }
 
 }  // namespace
@@ -59,11 +72,8 @@ void NoticeWatch::watch_search(const StepReport& report) {
   }
   if (open.corners > 0 && !cornered_) {
     cornered_ = true;
-    std::vector<int> bodies;
-    for (const std::vector<int>& own : list_bodies_of_laws(scenario_.model))
-      for (const int body : own)
-        if (std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
-    add("search", "", "a step passed more corners of laws than it may be split at; a smaller step would do", bodies);
+    add("search", "", "a step passed more corners of forces than it may be split at; a smaller step would do",
+        list_cornered_bodies(scenario_.model));
   }
   if (open.unseen > 0 && !unseen_) {
     unseen_ = true;

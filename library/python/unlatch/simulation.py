@@ -76,7 +76,7 @@ class Number(NamedTuple):
 
 class Verdict(NamedTuple):
     """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: the reason if not evaluated.
-    uncertainty: how far an extreme between steps may be wrong, at most, in `unit`. at_ticks: the value is that of a tick or an
+    uncertainty: how far it may be wrong, between steps and by their errors, in `unit`. at_ticks: the value is that of a tick or an
     event, and may be beyond it in between."""
 
     id: str

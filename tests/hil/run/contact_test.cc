@@ -372,5 +372,28 @@ TEST(Contacts, ABallThatTwoShapesOfOneSurfacePushIsUnresolvedAndOneBetweenTwoWal
   EXPECT_FALSE(find_notice(trough, "seam").has_value());
 }
 
+// A ball of 3 m/s is over both boxes for less than a step of 10 ms; a bar along the seam's normal lies on both.
+TEST(Contacts, ASeamIsSeenWithinAStepAndUnderOtherShapesThanSpheres) {
+  const std::string floors =
+      "{group: floor, box: {size: [1, 1, 1], centre: [-0.5, 0, -0.5]}}, {group: floor, box: {size: [1, 1, 1], centre: "
+      "[0.5, 0, -0.5]}}";
+  const auto replace = [](std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+  };
+  const std::string fast = replace(replace(build_rolling_over(floors), "dt: 1 ms, until: 0.4", "dt: 10 ms, until: 0.1"),
+                                   "velocity: [0.5, 0, 0]", "velocity: [3, 0, 0]");
+  const AnalysedRun ball(fast);
+  const auto notice = find_notice(ball, "seam");
+  ASSERT_TRUE(notice.has_value());
+  EXPECT_TRUE(notice->unresolved);
+  EXPECT_FALSE(
+      find_notice(AnalysedRun(replace(fast, ", {group: floor, box: {size: [1, 1, 1], centre: [0.5, 0, -0.5]}}", "")),
+                  "seam")
+          .has_value());
+  const AnalysedRun bar(replace(build_rolling_over(floors), "sphere: {radius: 0.1}",
+                                "capsule: {from: [0, -0.05, 0], to: [0, 0.05, 0], radius: 0.1}"));
+  EXPECT_TRUE(find_notice(bar, "seam").has_value());
+}
+
 }  // namespace
 }  // namespace unlatch::test::contact_test

@@ -175,6 +175,38 @@ TEST(Corners, StepsAreSplitAtTheRowsOfTheWindAndAtTheBordersOfTheAirsLayers) {
   }
 }
 
+// 5 kg that a force over its travel pushes: between its bodies along a joint, or between points of them.
+TEST(Corners, StepsAreSplitAtTheKnotsOfATableOverTravel) {
+  const std::string
+      body =
+          "unlatch: 1\nname: travel\nstep: {dt: 2 ms, until: 100 ms}\nbodies:\n  b: {mass: 5 kg, inertia: [1, 1, 1], "
+          "position: [0.3, 0, 0]}\n",
+      joint =
+          "joints:\n  sl: {between: [ground, b], point: [0.3, 0, 0], modes: {s: {kind: prismatic, "
+          "axis: x}}}\n",
+      table = "stroke: 0.15, table: {travel: [0, 0.05, 0.08, 0.15], force: [2000, 500, 2500, 300]}}\n",
+      rest =
+          "quantities:\n  fp: {force: push}\n"
+          "requirements:\n"
+          "  - {id: force, force: push, take: maximum, at_most: 10 kN}\n"
+          "  - {id: acceleration, acceleration: b, at_most: 1e4}\n"
+          "  - {id: expression, expression: fp, at_most: 10 kN}\n"
+          "  - {id: speed, velocity: {body: b}, at: \"stroke_end:push\", at_most: 1e4}\n";
+  for (const char* push : {"elements:\n  push: {type: pusher, joint: sl, axis: x, ",
+                           "elements:\n  push: {type: pusher, between: [ground, b], point: [0.1, 0, 0], "}) {
+    const AnalysedRun run(body + joint + push + table + rest);
+    constexpr double kLocated = 1e-6;  // relative: the corner is found to that part of a sub-step
+    for (const auto& [id, value] : {std::pair{"force", 2500.0},
+                                    {"acceleration", 500.0},
+                                    {"expression", 2500.0},
+                                    {"speed", std::sqrt(2 * 205.5 / 5)}}) {
+      const hil::Verdict verdict = run.judge(id);
+      EXPECT_NEAR(verdict.value, value, kLocated * value) << push << id;
+      EXPECT_FALSE(verdict.is_uncertain()) << push << id;
+    }
+  }
+}
+
 // What the weld holds, just before and just after a jump that a step is split at, and that lies on a tick.
 TEST(Corners, AJumpHasItsValuesOnBothSides) {
   for (const char* when : {"0.5", "0.5037"}) {

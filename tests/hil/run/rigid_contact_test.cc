@@ -32,6 +32,25 @@ const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& nam
   return nullptr;
 }
 
+// A ball that slides without friction slips from the end of its bounces on, t (1 + 2 e / (1 − e)) after the start.
+TEST(RigidContacts, ThePathOfASlipAfterBouncesThatEndedLiesWithinItsUncertainty) {
+  const double end = std::sqrt(2 * 0.2 / 9.81) * 3, exact = 1 * (1 - end);
+  for (const char* settle : {"40 ms", "10 ms", "1 ms"}) {
+    std::string text = build_ball("0.2", std::string("rigid: true, restitution: 0.5, settle: ") + settle,
+                                  "requirements:\n"
+                                  "  - {id: slip, contact_slip: blow, take: final, at_most: 1 m}\n"
+                                  "  - {id: near, contact_slip: blow, take: final, at_least: 0.394 m}\n");
+    text.insert(text.find("position:"), "velocity: [1, 0, 0], ");
+    const AnalysedRun run(text);
+    const hil::Verdict slip = run.judge("slip");
+    EXPECT_GT(slip.uncertainty, 0);
+    EXPECT_NEAR(slip.value, exact, slip.uncertainty) << settle;
+    EXPECT_LT(slip.uncertainty, 0.1);
+    EXPECT_EQ(slip.is_resolved(), slip.uncertainty < 0.01 * slip.value) << settle;
+    EXPECT_FALSE(run.judge("near").is_resolved()) << settle << ": the limit lies within what the slip may be";
+  }
+}
+
 TEST(RigidContacts, EachBounceIsATouchOfTheRecord) {
   const AnalysedRun run(
       build_ball("0.2", "rigid: true, restitution: 0.5, settle: 1 ms",

@@ -111,6 +111,27 @@ class CampaignDesignsTest(ProcessTest):
                 self.assertIn("not estimated, since samples have no value: v, w", done.stdout)
                 self.assertNotIn("of no input", done.stdout)
 
+    def test_a_value_that_is_the_same_in_every_sample_is_said_to_be_so(self):
+        still = BALL + "  - {id: still, rate: {body: ball, relative_to: base}, at_most: 1}\n"
+        for sampling in ("random", "sobol"):
+            with self.subTest(sampling):
+                _, said, _ = self.fly(f"sampling: {sampling}\nsamples: 64\n{UNIFORM}", sampling, code=None, scenario=still)
+                line = next(line for line in said.splitlines() if "none: all values are equal" in line)
+                self.assertIn("still", line)
+                self.assertNotIn("samples have no value", said)
+
+    def test_the_review_of_a_subset_simulation_has_its_probability_and_says_whose_the_others_are(self):
+        rest = ("sampling: subset\nsamples: 500\nseed: 3\nsubset: {of: fast}\n"
+                "parameters:\n  v: {path: constants.v, normal: {mean: 0 m/s, sigma: 1 m/s}}\n  w: {path: constants.w, normal: {mean: 0 m/s, sigma: 0.3 m/s}}\n")
+        summary, said, _ = self.fly(rest, "subset", code=None)
+        review = (self.folder / "subset/review.md").read_text()
+        self.assertIsNotNone(summary["rare"]["probability"])
+        result = f"probability {summary['rare']['probability']:.3g}, 95 %: "
+        self.assertIn(result, said)
+        self.assertIn("## Subset simulation: fast.margin below 0 m/s\n\n" + result, review)
+        self.assertIn("## Requirements, first level alone", review)
+        self.assertIn("## Inputs, as drawn in the first level", review)
+
     def test_bounds_of_saltelli_are_those_of_its_independent_rows(self):
         from scipy.stats import beta
         summary, said, table = self.fly(f"sampling: saltelli\nsamples: 1600\n{UNIFORM}", "saltelli")

@@ -21,11 +21,14 @@ const hil::Requirement& get(const RunReport& report, const hil::Verdict& verdict
   return report.scenario.requirements[verdict.requirement];
 }
 
+// A far limit says nothing about the rounding of a value: no more than 1e-9 of a unit is taken for that.
+constexpr double kFar = 1e3;
+
 // "0.29 ± 0.001 m at 1.3 s, at least 0.1 m, margin 0.19 m"
 std::string describe_value(const hil::Requirement& requirement, const hil::Verdict& verdict) {
   if (!verdict.evaluated) return verdict.why;
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
-  const double value = drop_rounding(verdict.value, std::abs(verdict.margin));
+  const double value = drop_rounding(verdict.value, std::min(kFar, std::abs(verdict.margin)));
   const std::string uncertainty = verdict.is_uncertain() ? format(" ± %.2g", verdict.uncertainty) : "";
   return to_short_text(value) + uncertainty + unit + " at " + to_short_text(verdict.time) + " s, " +
          describe_limit(requirement) + ", margin " + to_short_text(verdict.margin) + unit +

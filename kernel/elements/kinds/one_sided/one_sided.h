@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "kernel/elements/effort.h"
 #include "kernel/elements/element_compiler.h"
@@ -96,6 +97,13 @@ struct OneSidedKind {
             .stroke = m.depth,
             .wound = std::max(0.0, m.path.winding),
             .on_drum = m.path.on_drum};
+  }
+  // Its travel, for the corners of its table.
+  static void keep(const PlanOneSided& own, const Effort& effort, Evaluation& ev) {
+    if (own.count > 0) ev.travels[at(own.number)] = own.law.stroke - effort.stroke;
+  }
+  static void rest(const PlanOneSided& own, Evaluation& ev) {
+    if (own.count > 0) ev.travels[at(own.number)] = std::numeric_limits<double>::quiet_NaN();
   }
   // Energy stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
   // rounding, and the force still acts: the power before the event. After it nothing acts and nothing is lost.
