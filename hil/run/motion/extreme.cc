@@ -32,9 +32,12 @@ void Least::search(double from, double to, const TimeFunction& function) {
 void Least::look_into(double from, double at_from, double to, double at_to, double resolution,
                       const TimeFunction& function) {
   const double step = kNear * (to - from);
-  if (!(step > 0) || !(function(from + step) < at_from - resolution) || !(function(to - step) < at_to - resolution))
-    return;
-  search(from, to, function);
+  if (!(step > 0)) return;
+  // The lower end first: there it is the likelier one that does not descend, and the other need not be asked.
+  const auto descends_at_from = [&] { return function(from + step) < at_from - resolution; };
+  const auto descends_at_to = [&] { return function(to - step) < at_to - resolution; };
+  if (at_to < at_from ? descends_at_to() && descends_at_from() : descends_at_from() && descends_at_to())
+    search(from, to, function);
 }
 
 void Smallest::add(double time, double value) {

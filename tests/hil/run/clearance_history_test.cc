@@ -48,6 +48,28 @@ TEST(Smallest, IsLocatedBetweenKnotsThatAreRoundingsOfTimeApart) {
 }
 
 // Searches every knot and a dense grid between the knots around the smallest.
+TEST(Least, AsksAFunctionThatFallsOrRisesAtItsLowerEndAlone) {
+  for (const double slope : {-1.0, 1.0}) {
+    int asked = 0;
+    const auto line = [&](double time) {
+      ++asked;
+      return slope * time;
+    };
+    hil::Least least;
+    least.look_into(0, 0, 1, slope, 0, line);
+    EXPECT_EQ(asked, 1) << slope;
+    EXPECT_FALSE(least.has_value()) << slope;
+  }
+  // A dip is found whichever end is lower.
+  for (const double bottom : {0.3, 0.7}) {
+    const auto dip = [&](double time) { return (time - bottom) * (time - bottom); };
+    hil::Least least;
+    least.look_into(0, dip(0), 1, dip(1), 0, dip);
+    ASSERT_TRUE(least.has_value()) << bottom;
+    EXPECT_NEAR(least.get_time(), bottom, 1e-7);
+  }
+}
+
 TEST(ClearanceHistory, IsTheSmallestOfADenseSearch) {
   const AnalysedRun run(kPassing);
   const hil::Clearance& found = run.analysis.clearances().at(0);
