@@ -217,8 +217,7 @@ double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   return looks == most || try_substep(run, start, end) ? end : kFailed;
 }
 
-// --- Corners of laws, of travels and of the air
-// ----------------------------------------------------------------------------------
+// --- Corners of laws, of travels and of the air ----------------------------------------------------------------------
 
 // False, and reported, if the step has been split at as many corners as it may be.
 bool may_split_at_corner(Run& run) {

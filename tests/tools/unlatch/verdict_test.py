@@ -10,7 +10,7 @@ import re
 
 from browser import Browser
 from junitparser import Error, Failure, JUnitXml
-from processes import UNLATCH, ProcessTest, main
+from processes import UNLATCH, ProcessTest, call, main
 
 # Scenario of two balls that pass each other: 0.25 m apart at 0.6172839 s.
 SCENARIO = """unlatch: 1
@@ -295,6 +295,23 @@ requirements:
         self.assertEqual(by_id["near"]["uncertain"]["samples"], 4)
         self.assertNotIn("uncertain", by_id["far"])
         self.assertIn("note: near: 4 samples known to ± ", said)
+
+    # Small spheres that pass at 10 m/s, 20 cm a step, a few millimetres from each other.
+    def test_smallest_distances_as_quantities_and_in_expressions_are_within_what_they_say(self):
+        for shift in range(3):
+            bodies = quantities = requirements = ""
+            exact = {}
+            for i in range(12):
+                passes, begins = 0.012 + 0.004 * i, -1.2 - 0.0137 * i - 0.31 * (i % 5) - 0.017 * shift
+                sphere = "mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 1 mm}}]"
+                bodies += f"  a{i}: {{{sphere}, position: [0, {10 * i}, 0]}}\n"
+                bodies += f"  b{i}: {{{sphere}, position: [{begins:.4f}, {10 * i + passes:.4f}, 0], velocity: [10, 0, 0]}}\n"
+                quantities += f"  c{i}: {{clearance: {{between: [a{i}, b{i}]}}}}\n"
+                requirements += f"  - {{id: own{i}, quantity: c{i}, at_least: 1 mm}}\n  - {{id: twice{i}, expression: 2*c{i}, at_least: 1 mm}}\n"
+                exact |= {f"own{i}": passes - 0.002, f"twice{i}": 2 * (passes - 0.002)}
+            path = self.write(f"unlatch: 1\nname: passes\nstep: {{dt: 20 ms, until: 400 ms}}\nbodies:\n{bodies}quantities:\n{quantities}requirements:\n{requirements}")
+            for one in json.loads(call(UNLATCH, "run", path, "--json", "-").stdout)["verdict"]:
+                self.assertLessEqual(abs(one["value"] - exact[one["id"]]), one.get("uncertainty", 0) + 1e-3 * exact[one["id"]], (shift, one))
 
     # A spring carries what a contact does not resolve to a body that touches nothing.
     def test_what_a_spring_connects_to_an_unresolved_body_is_unresolved_too(self):
