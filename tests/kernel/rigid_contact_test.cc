@@ -175,6 +175,28 @@ TEST(RigidContact, FourFeetThatLandAtOnceBounceTogether) {
   EXPECT_NEAR(norm(s.state.bodies[0].w), 0, 1e-10);
 }
 
+// Of the four rows one is redundant, and no velocity has the restitution of all: two opposite feet bounce by theirs,
+// which is larger, and the others are lifted off.
+TEST(RigidContact, FourFeetThatLandAtOnceBounceByTheLargerRestitutionOfTheTwoDiagonals) {
+  for (const bool first_is_larger : {true, false}) {
+    Model model = build_rigid_feet();
+    std::vector<geometry::Shape>& feet = model.surfaces[1].shapes;
+    model.surfaces.push_back({"others", 0, {feet[1], feet[2]}});
+    feet = {feet[0], feet[3]};
+    model.contacts.push_back(touch_rigidly("others on floor", 0, 2));
+    model.contacts[0].restitution = first_is_larger ? 0.6 : 0.2;
+    model.contacts[1].restitution = first_is_larger ? 0.2 : 0.6;
+    model.events.clear();
+    add_contact_events(model);
+    model.bodies[0].p_WB.z() += 0.05;
+    Simulation s(model);
+    run(s, model, 110);
+    const double landing = std::sqrt(2 * 0.05 / kGravity), speed = kGravity * landing;
+    EXPECT_NEAR(s.state.bodies[0].v.z, 0.6 * speed - kGravity * (0.11 - landing), 1e-10);
+    EXPECT_NEAR(norm(s.state.bodies[0].w), 0, 1e-10);
+  }
+}
+
 // Random blows of a spinning body with a ball against another one: momenta, restitution, loss.
 TEST(RigidContact, ABlowKeepsMomentaAndLosesItsPartOfTheEnergy) {
   std::mt19937_64 random(5);
