@@ -179,7 +179,9 @@ void keep_friction(const PlanData& plan, int r, Evaluation& ev) {
   ev.pair_slides[pair] = rows[0].mode == RigidMode::kSticks ? std::sqrt(first * first + second * second) - cone
                                                             : -rows[1].rate - kRigidRest;
   const PlanContact& contact = plan.contacts[at(plan.contact_pairs[pair].contact)];
-  add_impulse_rate(contact, normal, rows[0].slip, -(first * rows[1].rate + second * rows[2].rate), ev);
+  // What a pair that sticks drifts by is no slip: an error of the integration.
+  const double slip = rows[0].mode == RigidMode::kSticks ? 0 : rows[0].slip;
+  add_impulse_rate(contact, normal, slip, -(first * rows[1].rate + second * rows[2].rate), ev);
 }
 
 }  // namespace

@@ -137,6 +137,30 @@ TEST(OneSided, ATableGivesTheAreaUnderIt) {
   EXPECT_NEAR(get_speed(s), std::sqrt(2 * work / kReduced), kSpeed) << "a step saw a corner of the table";
 }
 
+// 100 N that fall to 0 at 29.4 mm of 38.22 mm of stroke, both within one step: a sine, then a constant speed.
+TEST(OneSided, APusherWhoseTableEndsBeforeItsStrokeEndsWithItsStroke) {
+  constexpr double kMass = 5, kSpeed0 = 9.62, kKnot = 0.0294, kStroke = 0.03822;
+  Model model;
+  model.bodies = {box("b", kMass, 1, 1, 1)};
+  model.bodies[0].v_WB = {kSpeed0, 0, 0};
+  OneSided f = push(0, kStroke);
+  f.base = kGround;
+  f.follower = 0;
+  f.law = OneSided::Law::kTable;
+  f.travels = {0, kKnot};
+  f.forces = {100, 0};
+  f.guide = {1, 0, 0};
+  model.one_sided.push_back(f);
+  Simulation s(model);
+  const Seen seen = run(s, model, 20);
+  ASSERT_EQ(seen.events.size(), 1U);
+  EXPECT_EQ(seen.events[0].first, "stroke_end");
+  // u'' = w² (knot − u) from u = 0: knot − u = knot cos(w t) − v / w sin(w t)
+  const double w = std::sqrt(100 / kKnot / kMass), knot = std::atan2(kKnot, kSpeed0 / w) / w;
+  const double speed = std::sqrt(kSpeed0 * kSpeed0 + w * w * kKnot * kKnot);
+  EXPECT_NEAR(seen.events[0].second, knot + (kStroke - kKnot) / speed, kLocated);
+}
+
 TEST(OneSided, FrictionTakesItsPartOfTheWork) {
   Model model = build_line();
   OneSided f = push(100, 0.05);

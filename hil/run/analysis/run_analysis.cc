@@ -159,14 +159,13 @@ std::optional<int> find_slipping_contact(const Model& model, const Requirement& 
   return quantity.kind == unlatch::Quantity::Kind::kContactSlip ? std::optional(quantity.subject) : std::nullopt;
 }
 
-// Adds to a verdict's uncertainty; where the limit lies within that, or it is more than kKnown allows, the verdict is
-// unresolved. `describe`: by what.
-template <class Describe>
-void widen(double by, Verdict& verdict, const Describe& describe) {
-  verdict.uncertainty += by;
-  const double known = kKnown * std::max(std::abs(verdict.value), kLimitPart * std::abs(verdict.limit));
-  const bool may_differ = verdict.is_uncertain() && std::abs(verdict.margin) < verdict.uncertainty;
-  if (verdict.is_resolved() && (may_differ || verdict.uncertainty > known)) verdict.unresolved = describe();
+// Whether the limit lies within a verdict's uncertainty.
+bool may_differ(const Verdict& verdict) {
+  return verdict.is_uncertain() && std::abs(verdict.margin) < verdict.uncertainty;
+}
+// Whether the uncertainty is more than kKnown allows.
+bool is_unknown(const Verdict& verdict) {
+  return verdict.uncertainty > kKnown * std::max(std::abs(verdict.value), kLimitPart * std::abs(verdict.limit));
 }
 
 }  // namespace
@@ -189,20 +188,23 @@ std::vector<Verdict> RunAnalysis::judge() const {
     if (!verdict.evaluated || requirement.is_of_events()) continue;
     const double of_steps =
         calc_step_uncertainty(scenario_.model, requirement, verdict.value, until, accuracy_.get_steps());
-    if (of_steps > Verdict::kExact * std::abs(verdict.value))
-      widen(of_steps, verdict, [&] {
-        return format(
+    // Of errors of the steps that are large, whatever the limit, accuracy_ has decided above.
+    if (of_steps > Verdict::kExact * std::abs(verdict.value)) {
+      verdict.uncertainty += of_steps;
+      if (verdict.is_resolved() && may_differ(verdict))
+        verdict.unresolved = format(
             "the steps make an error of some %.2g in %.6g, as those show that were taken again as two halves; a "
             "smaller step would do",
             of_steps, verdict.value);
-      });
-    if (const auto contact = find_slipping_contact(scenario_.model, requirement))
-      widen(contacts_.get_slip_uncertainty(*contact), verdict, [&] {
-        return format(
+    }
+    if (const auto contact = find_slipping_contact(scenario_.model, requirement)) {
+      verdict.uncertainty += contacts_.get_slip_uncertainty(*contact);
+      if (verdict.is_resolved() && (may_differ(verdict) || is_unknown(verdict)))
+        verdict.unresolved = format(
             "its bounces ended, and how long it would have flown meanwhile, without a slip, is not known: %.6g m is "
             "known to %.2g m only; a smaller `settle`, or a smaller step, would do",
             verdict.value, verdict.uncertainty);
-      });
+    }
   }
   return verdicts;
 }

@@ -12,6 +12,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr int kLastPart = 6, kMostEvaluations = 400;  // in an interval
+constexpr double kSlow = 0.1;                         // ratio of a stencil whose differences fall too slowly for a dip
 constexpr double kOffLine = 1e-9;                     // of the value's size: rounding of a straight line
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kGain = 1e-7;  // what bounds may promise below the known, relative to the law's size
@@ -152,8 +153,7 @@ void LawCurve::Read::draw_secants(std::size_t number) {
   const std::span<const double> times = curve.get_times(), values = curve.get_values();
   secants.reset();
   const bool is_distance = traits == &get_traits(unlatch::Quantity::Kind::kClearance);
-  if (!is_distance || number == 0 || number + 2 >= times.size() || !(stencil->get_ratio() > ValueStencil::kRough))
-    return;
+  if (!is_distance || number == 0 || number + 2 >= times.size() || !(stencil->get_ratio() > kSlow)) return;
   const auto calc_slope = [&](std::size_t k) { return (values[k + 1] - values[k]) / (times[k + 1] - times[k]); };
   const double before = calc_slope(number - 1), behind = calc_slope(number + 1);
   if (before < calc_slope(number) && calc_slope(number) < behind)

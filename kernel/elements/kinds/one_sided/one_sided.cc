@@ -116,7 +116,8 @@ double calc_force(const PlanData& plan, const State& state, double t, const Plan
 
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {
   const OneSidedLaw law = get_law(plan, own);
-  return std::min(get_scale(law) * motion.depth, calc_sum(law, motion.depth, motion.depth_rate));
+  const double depth = get_scale(law) * motion.depth, force = calc_sum(law, motion.depth, motion.depth_rate);
+  return force == 0 ? depth : std::min(depth, force);
 }
 
 bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {

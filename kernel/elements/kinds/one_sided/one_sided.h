@@ -46,7 +46,7 @@ bool is_on(const ElementState& element, double t) noexcept;
 double calc_force(const PlanData& plan, const State& state, double t, const PlanOneSided& own,
                   const OneSidedMotion& motion) noexcept;
 // Depth times a stiffness, or the force, whichever is less, N or N m: it is engaged from where this rises to 0 until it
-// falls below 0.
+// falls below 0. Where the force is exactly 0, as on a plateau of its table, the depth alone says how far the end is.
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
 // True if the depth is the less of the two numbers that calc_reach() compares: a force that is not engaged is then
 // beyond its limit or, but for rounding, at it. Otherwise it is within its limit, and its force is 0.
