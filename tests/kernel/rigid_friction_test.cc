@@ -179,6 +179,21 @@ TEST(RigidFriction, ABallRollsDownAnInclineWithFiveSeventhsOfTheSlide) {
   EXPECT_NEAR(smooth.state.bodies[0].w.y, 2.5 * 0.05 * kGravity * std::cos(tilt) / kRadius, 1e-8);
 }
 
+// Its spin about the normal turns the body by 0.09 rad a step: the point of contact then drifts by an error of the
+// integration, which is no slip.
+TEST(RigidFriction, ABallThatRollsAndSpinsAboutTheNormalDoesNotSlip) {
+  Model model = build_rolling_ball(0.3, 0);
+  model.gravity.uniform = {1.2, 0, -kGravity};  // less than 7/2 μ g along the floor
+  model.bodies[0].w_WB_B = {0, 0, 9};
+  PlanOptions options;
+  options.dt = 0.01;
+  Simulation s(model, options);
+  run(s, 300);
+  EXPECT_EQ(s.state.contacts[0].closed, kPairSticks);
+  EXPECT_NEAR(s.state.bodies[0].v.x, 5.0 / 7 * 1.2 * 3, 1e-6);
+  EXPECT_EQ(get_contact_totals(s.plan, s.state, 0).slip, 0);
+}
+
 // Newton's restitution along the normal; across it the impulse that stops the slip, or μ times the normal one.
 TEST(RigidFriction, ASpinningBallHitsTheFloorAsTheClosedFormSays) {
   constexpr double kRestitution = 0.6, kHeight = 0.2;
