@@ -17,6 +17,8 @@ constexpr int kLooks = 8;      // of an interval, at whose ends the polynomial i
 constexpr double kBeyond = 8;  // times what six knots span: a polynomial through them goes no farther between them
 // Part of an extreme to which it is to be known; one that is small counts as this part of the largest value.
 constexpr double kFine = 1e-4, kFloor = 1e-4;
+// Ratio of a stencil's differences from which they do not fall: a dip is shorter than what lies between the knots.
+constexpr double kRough = 0.5;
 
 void take_smallest(ExtremeBounds::Bound& bound, double time, double value) {
   bound.least = std::min(bound.least, value);
@@ -158,7 +160,7 @@ void ExtremeBounds::search(const ValueStencil& stencil, FinerValues* finer, Side
       return;
   }
   Bound own = look(stencil, side);
-  if (is_within_ && !is_known(own) && own.ratio > ValueStencil::kRough) {
+  if (is_within_ && !is_known(own) && own.ratio > kRough) {
     own.least = std::min(own.least, calc_least_by_secants(stencil.get_from(), side));
     own.most = std::max(own.most, std::min(side.sign * stencil.get_at_from(), side.sign * stencil.get_at_to()));
   }

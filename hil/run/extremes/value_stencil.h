@@ -68,8 +68,6 @@ class ValueStencil : public ValueTerms {
   };
   [[nodiscard]] Value calc(double time) const;
   [[nodiscard]] double get_ratio() const { return ratio_; }  // r
-  // r from which on differences do not fall: a dip is shorter than what lies between the knots.
-  static constexpr double kRough = 0.3;
 
  private:
   double ratio_ = 0, doubt_ = 0;

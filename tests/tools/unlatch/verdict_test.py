@@ -296,9 +296,9 @@ requirements:
         self.assertNotIn("uncertain", by_id["far"])
         self.assertIn("note: near: 4 samples known to ± ", said)
 
-    # Small spheres that pass at 10 m/s, 20 cm a step, a few millimetres from each other.
+    # Small spheres that pass at 10 m/s, 10 cm a step, one to six centimetres from each other.
     def test_smallest_distances_as_quantities_and_in_expressions_are_within_what_they_say(self):
-        for shift in range(4):
+        for shift in range(2):
             bodies = quantities = requirements = ""
             exact = {}
             for i in range(12):
