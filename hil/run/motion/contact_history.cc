@@ -175,7 +175,8 @@ void ContactHistory::add_settled(int bounces, std::span<const MotionKnot> knots)
     double fastest = 0;
     for (const MotionKnot& knot : knots) fastest = std::max(fastest, calc(knot.state, static_cast<int>(i)).slip);
     const double flight = contact.settle.value_or(0.5 * scenario_.dt);
-    tracks_[i].record.slip_uncertainty += fastest * bounces * flight / (1 - contact.restitution.value_or(0));
+    if (fastest > 0)  // a restitution of 1 then leaves all of the slip unknown
+      tracks_[i].record.slip_uncertainty += fastest * bounces * flight / (1 - contact.restitution.value_or(0));
   }
 }
 
