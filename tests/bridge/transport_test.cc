@@ -288,6 +288,36 @@ TEST_P(Processes, HearEveryMessageBitForBit) {
 INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 
+// Writer of the only DDS participant of this process for a topic; 0 if there is none.
+dds_entity_t find_writer(const std::string& topic) {
+  std::array<dds_entity_t, 64> publishers{};  // and topics, subscribers, and more
+  std::array<dds_entity_t, 4> writers{};      // each has a publisher of its own
+  dds_entity_t participant = 0;
+  if (dds_lookup_participant(0, &participant, 1) != 1) return 0;
+  const int count = dds_get_children(participant, publishers.data(), publishers.size());
+  for (int i = 0; i < count; ++i) {
+    if (dds_get_children(publishers[i], writers.data(), writers.size()) < 1) continue;
+    std::array<char, 64> name{};
+    dds_publication_matched_status_t matched{};
+    if (dds_get_publication_matched_status(writers[0], &matched) != DDS_RETCODE_OK) continue;  // a reader
+    if (dds_get_name(dds_get_topic(writers[0]), name.data(), name.size()) > 0 && name.data() == topic)
+      return writers[0];
+  }
+  return 0;
+}
+
+// Waits until somebody reads a topic: what is written there before is lost.
+void await_reader(const std::string& topic) {
+  const dds_entity_t writer = find_writer(topic);
+  ASSERT_GT(writer, 0);
+  dds_publication_matched_status_t matched{};
+  for (auto waited = 0ms; waited < kPatience && matched.current_count == 0; waited += 1ms) {
+    std::this_thread::sleep_for(1ms);
+    ASSERT_EQ(dds_get_publication_matched_status(writer, &matched), DDS_RETCODE_OK);
+  }
+  ASSERT_GT(matched.current_count, 0) << "nobody reads " << topic;
+}
+
 // Every topic finds its readers separately and at different times. Hello and State are repeated until they are
 // answered, as the protocol demands; no message of the participant after its HelloAck is lost.
 TEST(Dds, CommandsOfTheFirstMomentArrive) {
@@ -322,7 +352,8 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
       ASSERT_TRUE(simulator->poll(heard, kPatience)) << "lost some of " << first << " to " << last;
       if (heard.kind == MessageKind::kCommand) commands.insert(heard.command.sequence);
     }
-    simulator->publish(hil::HealthMessage{});
+    await_reader("unlatch_Health");
+    ASSERT_TRUE(simulator->publish(hil::HealthMessage{}));
     EXPECT_EQ(participant.close(), 0);
   }
 }
@@ -347,6 +378,7 @@ TEST(Dds, WhatIsSaidLastIsHeard) {
     ASSERT_TRUE(simulator->publish(state));
     ASSERT_TRUE(watcher.read(kRepeatAfter));
   }
+  await_reader("unlatch_Health");
   dds_entity_t participant = 0;
   ASSERT_EQ(dds_lookup_participant(0, &participant, 1), 1);
   ASSERT_EQ(dds_domain_set_deafmute(participant, false, true, std::chrono::nanoseconds(kMute).count()), DDS_RETCODE_OK);
