@@ -10,7 +10,7 @@ namespace unlatch::target {
 namespace {
 
 constexpr std::uint64_t kResend_us = 20'000;     // of silence, after which the State is sent again
-constexpr std::uint64_t kPatience_us = 100'000;  // then the other end may have started anew, and is told all again
+constexpr std::uint64_t kPatience_us = 100'000;  // then the other end may have started anew, and gets all of it again
 constexpr int kFinalStates = 3;
 constexpr std::uint64_t kFinalInterval_us = 5'000;
 constexpr std::int64_t kHashEvery = 100;  // ticks

@@ -49,7 +49,7 @@ Quat calc_turn(const Vec3& r) noexcept {
 
 // What a converter makes of y: the nearest of its codes, which are the multiples of `quantum` within ±range.
 double convert(double y, double quantum, double range) noexcept {
-  constexpr double kWhole = 0x1p52;      // codes beyond this cannot be told apart
+  constexpr double kWhole = 0x1p52;      // codes beyond this cannot be distinguished
   constexpr double kSameNumber = 1e-12;  // relative: range and quantum are decimal numbers, rounded
   if (quantum > 0 && std::abs(y / quantum) < kWhole) {
     double code = std::floor(y / quantum + 0.5);

@@ -262,9 +262,9 @@ class ClientsTest(ProcessTest):
         self.finish(listener)
         played, (header, *arrived) = read_log(recorded), read_log(heard)
         self.assertEqual(header[0], "UNLATCH_HEARD")
-        told = json.loads(header[1])
-        self.assertEqual((told["scenario"], told["transport"], told["ended"]), ("probe", "lcm", True))
-        self.assertEqual(told["topics"], {channel: sum(name == channel for name, _ in arrived) for channel, _ in arrived})
+        description = json.loads(header[1])
+        self.assertEqual((description["scenario"], description["transport"], description["ended"]), ("probe", "lcm", True))
+        self.assertEqual(description["topics"], {channel: sum(name == channel for name, _ in arrived) for channel, _ in arrived})
         # A busy machine may lose some messages; none may change, and those of one channel keep their order.
         self.assertGreater(len(arrived), len(played) // 2)
         for channel in {channel for channel, _ in arrived}:

@@ -70,15 +70,16 @@ void ScenarioReader::read_basis_pattern(const YamlNode& node, const YamlNode& ro
 
 // An uncertainty with a unit is one of values in that unit.
 void ScenarioReader::check_uncertainties() {
-  std::vector<bool> told(record_.basis.size());
+  std::vector<bool> reported(record_.basis.size());
   for (const DataValue& value : record_.values) {
     if (value.basis < 0) continue;
     const auto entry = static_cast<std::size_t>(value.basis);
     const Basis& basis = record_.basis[entry];
-    if (told[entry] || !basis.uncertainty || basis.uncertainty->dimension.is_plain() || value.numbers.empty()) continue;
+    if (reported[entry] || !basis.uncertainty || basis.uncertainty->dimension.is_plain() || value.numbers.empty())
+      continue;
     const Dimension dimension = dimension_of(value.unit);
     if (!dimension.is_plain() && dimension.takes(basis.uncertainty->dimension)) continue;
-    told[entry] = true;
+    reported[entry] = true;
     mistakes_.add(basis.mark,
                   "an uncertainty of '" + basis.uncertainty_text + "' for " + value.path + ", which is " +
                       describe_dimension(dimension),

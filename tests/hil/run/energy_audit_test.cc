@@ -208,7 +208,7 @@ TEST(Notices, ALoopThatSwingsWithinItsDelayIsTold) {
 elements:
   jet: {type: thrust, body: a, direction: [1, 0, 0], profile: 1, channel: valve}
 )";
-  for (const auto& [ticks, told] : {std::pair{4, true}, {40, false}}) {
+  for (const auto& [ticks, is_reported] : {std::pair{4, true}, {40, false}}) {
     const hil::Scenario scenario = hil::load_scenario_text(text, "s.yaml");
     const auto simulation = hil::build_simulation(scenario);
     hil::NoticeWatch watch(scenario, *simulation);
@@ -217,7 +217,7 @@ elements:
       simulation->set_channel(0, (tick / ticks) % 2 == 0 ? 1 : -1);
       watch.update(simulation->step());
     }
-    EXPECT_EQ(watch.get().size(), told ? 1u : 0u) << ticks;
+    EXPECT_EQ(watch.get().size(), is_reported ? 1u : 0u) << ticks;
     for (const hil::RunNotice& notice : watch.get()) EXPECT_EQ(notice.name + " " + notice.subject, "command valve");
     EXPECT_LT(std::abs(watch.get_energy().unexplained), kExact * watch.get_energy().scale + 1e-12);
   }

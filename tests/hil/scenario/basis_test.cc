@@ -1,4 +1,4 @@
-// The basis of a scenario's data: which values an entry covers, what is told of wrong ones, uncertainties.
+// The basis of a scenario's data: which values an entry covers, what is reported of wrong ones, uncertainties.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

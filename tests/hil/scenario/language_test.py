@@ -217,13 +217,13 @@ class LanguageTest(unittest.TestCase):
         document = pickle.loads(COPY)
         for k, (path, name) in enumerate(PLACES):
             get(document, path)[f"zzz{k}"] = 1
-        told = {}
+        mistakes = {}
         for mistake in self.probe.ask(document).get("mistakes", []):
             if found := re.match(r"unknown key 'zzz(\d+)' in ", mistake["what"]):
-                told.setdefault(int(found[1]), []).append(mistake)
+                mistakes.setdefault(int(found[1]), []).append(mistake)
         for k, (path, name) in enumerate(PLACES):
-            self.assertEqual(len(told.get(k, [])), 1, f"{name} at {path}: {told.get(k)}")
-            known.setdefault(name, set()).update(re.search(r"known: (.*)$", told[k][0]["mend"])[1].split(", "))
+            self.assertEqual(len(mistakes.get(k, [])), 1, f"{name} at {path}: {mistakes.get(k)}")
+            known.setdefault(name, set()).update(re.search(r"known: (.*)$", mistakes[k][0]["mend"])[1].split(", "))
         groups = alternatives()
         for name, found in known.items():
             keys = set(SECTIONS[name]["keys"]) - NOT_OF_SCENARIOS
@@ -380,8 +380,8 @@ class LanguageTest(unittest.TestCase):
         for word in ("yes", "No", "ON", "off", "null", "True"):
             document = pickle.loads(COPY)
             document["name"] = word
-            told = self.probe.ask(document).get("mistakes", [])
-            self.assertTrue(any("is not a name" in m["what"] and "YAML 1.1" in m["mend"] for m in told), told)
+            mistakes = self.probe.ask(document).get("mistakes", [])
+            self.assertTrue(any("is not a name" in m["what"] and "YAML 1.1" in m["mend"] for m in mistakes), mistakes)
             self.assertTrue(self.find_schema_errors(document), word)
         self.assertFalse(any(re.fullmatch(word, "y") for word in [SCHEMA["$defs"]["name"]["not"]["pattern"]]))
 

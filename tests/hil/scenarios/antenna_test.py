@@ -186,9 +186,9 @@ class AntennaTest(ProcessTest):
         locked = hinges + slides + CELLS + boom - (6 * 25 - 6)
         self.assertEqual((moving, locked), (43, 48))
         report = self.fly("ring.yaml", [3], "--until", "3")
-        self.assertEqual([told["redundant"] for told in report["redundant"]], [moving, moving, locked])  # held by one lock, free, locked by six
-        told = self.run_ok(UNLATCH, "check", ANTENNA / "ring.yaml").stdout
-        self.assertRegex(told, re.escape(f"{moving} of {hinges + slides + 1} rows of slide1"))
+        self.assertEqual([printed["redundant"] for printed in report["redundant"]], [moving, moving, locked])  # held by one lock, free, locked by six
+        printed = self.run_ok(UNLATCH, "check", ANTENNA / "ring.yaml").stdout
+        self.assertRegex(printed, re.escape(f"{moving} of {hinges + slides + 1} rows of slide1"))
         self.assertEqual(self.fly("scenario.yaml", [3], "--until", "3")["redundant"], [])  # a tree
 
     def test_recordings_replay(self):

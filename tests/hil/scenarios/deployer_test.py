@@ -122,9 +122,9 @@ class DeployerTest(ProcessTest):
 
     # Micrometres are not rounded to "-0.0000 m".
     def test_the_report_tells_depths_of_micrometres(self):
-        told = call(UNLATCH, "run", MISALIGNED).stdout
+        printed = call(UNLATCH, "run", MISALIGNED).stdout
         for line in ("  stage – cubesat ", "    smallest clearance "):
-            self.assertRegex(told, re.escape(line) + r" *-\d\.\d+e-0\d m ")
+            self.assertRegex(printed, re.escape(line) + r" *-\d\.\d+e-0\d m ")
 
     def test_the_recording_replays(self):
         log = self.folder / "deployer.log"

@@ -40,7 +40,7 @@ bodies:
 class EnvelopeTest(ProcessTest):
     def sweep(self, scenario, *options, every=1):
         out = self.folder / "zone.json"
-        self.told = self.run_ok(SOURCE / "tools/envelope", scenario, "--bin", BIN, "--seen-from", "core", "--origin", "0,0,3", "--every", every,
+        self.printed = self.run_ok(SOURCE / "tools/envelope", scenario, "--bin", BIN, "--seen-from", "core", "--origin", "0,0,3", "--every", every,
                                 "--json", out, *options).stdout
         return json.loads(out.read_text())
 

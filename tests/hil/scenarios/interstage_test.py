@@ -73,8 +73,8 @@ class InterstageTest(ProcessTest):
     def test_the_recording_of_a_strike_replays(self):
         log = self.folder / "strike.log"
         call(UNLATCH, "run", SCENARIOS / "interstage/two-dead.yaml", "--log", log)
-        told = call(UNLATCH, "replay", log).stdout
-        self.assertIn("every bit agrees", told)
+        printed = call(UNLATCH, "replay", log).stdout
+        self.assertIn("every bit agrees", printed)
 
     # Within the skirt a facet is nearest to the wall at a corner: the gap is the radius minus the farthest corner's distance from
     # the axis.
@@ -111,9 +111,9 @@ class InterstageTest(ProcessTest):
         self.assertEqual(lines[0]["clearance_methods"], ["exact", "mesh (triangles)"])
 
     def test_an_fmu_of_the_duct_is_refused(self):
-        told = call(UNLATCH, "export", SCENARIOS / "interstage/duct.yaml", "--fmu", self.folder / "duct.fmu")
-        self.assertEqual(told.returncode, 2)
-        self.assertIn("which needs a library that an FMU does not carry", told.stderr)
+        printed = call(UNLATCH, "export", SCENARIOS / "interstage/duct.yaml", "--fmu", self.folder / "duct.fmu")
+        self.assertEqual(printed.returncode, 2)
+        self.assertIn("which needs a library that an FMU does not carry", printed.stderr)
 
 
 if __name__ == "__main__":

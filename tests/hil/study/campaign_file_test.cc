@@ -346,7 +346,7 @@ TEST_F(CampaignFileTest, ARareFailureMayBeOfAnOutput) {
   EXPECT_EQ(campaign.failure->column_index, list_columns(campaign.tree->get_nominal()).size());
 }
 
-// Versions and physics are told apart, although all texts are the same: their records must not be mixed.
+// Versions and physics are distinguished, although all texts are the same: their records must not be mixed.
 TEST_F(CampaignFileTest, ResultsOfAnotherVersionOrPhysicsHaveAnotherShape) {
   const Campaign campaign =
       load("samples: 3\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n");

@@ -323,12 +323,12 @@ TEST(SampleEvaluator, TellsRequirementsEventsClearancesAndSeparations) {
   EXPECT_LT(get("peak.nose1.x"), -1e5);
 }
 
-TEST(SampleEvaluator, TellsTouchPeakAndImpulseOfContacts) {
+TEST(SampleEvaluator, ColumnsHaveTouchPeakAndImpulseOfContacts) {
   const ScenarioTree tree(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/boosters/recontact.yaml");
   const SampleEvaluator evaluator(tree);
   const SampleResult result = evaluator.evaluate({});
   ASSERT_EQ(result.status, SampleStatus::kDone) << result.message;
-  std::size_t told = 0;
+  std::size_t written = 0;
   for (const hil::ResultColumn& column : evaluator.columns())
     if (column.kind == hil::ResultColumn::Kind::kContact && column.name.ends_with(".touch")) {
       const std::string name = column.name.substr(0, column.name.size() - std::string(".touch").size());
@@ -339,12 +339,12 @@ TEST(SampleEvaluator, TellsTouchPeakAndImpulseOfContacts) {
       EXPECT_EQ(struck, get(".duration") > 0) << name;
       EXPECT_EQ(struck, !std::isnan(get(".touch"))) << name;
       if (!struck) continue;
-      ++told;
+      ++written;
       // ∫ F_n dt lies between the peak's triangle and its rectangle.
       EXPECT_GT(get(".impulse"), 0.3 * get(".peak") * get(".duration")) << name;
       EXPECT_LT(get(".impulse"), get(".peak") * get(".duration")) << name;
     }
-  EXPECT_GT(told, 0U);
+  EXPECT_GT(written, 0U);
 }
 
 TEST(SampleEvaluator, AnEventThatNeverCameHasNoTime) {

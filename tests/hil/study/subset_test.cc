@@ -250,7 +250,7 @@ TEST(Subset, IntervalsHoldTheProbabilityWhereMarginsTie) {
   }
 }
 
-// Two outcomes, one in ten thousand: a thousand samples cannot tell it, and no level leads to it.
+// Two outcomes, one in ten thousand: a thousand samples cannot show it, and no level leads to it.
 TEST(Subset, ARareOutcomeIsUndecidedOrWithinItsBounds) {
   int decided = 0;
   for (int seed = 1; seed <= kRepetitions; ++seed) {

@@ -211,8 +211,8 @@ class CasesTest(ProcessTest):
         bias = [float(row["received.gyro.x [rad/s]"]) - float(row["sensor.gyro.x [rad/s]"]) for row in rows]
         self.assertAlmostEqual(bias[1000], 0.0087, delta=1e-15)
         self.assertEqual((bias[499], bias[1501]), (0, 0))
-        told = {event["name"] for event in report["session_events"]}
-        self.assertLessEqual({"fault.stick", "fault.bias", "fault.jam"}, told)
+        recorded = {event["name"] for event in report["session_events"]}
+        self.assertLessEqual({"fault.stick", "fault.bias", "fault.jam"}, recorded)
         program = ("import json, sys, unlatch\n"
                    "table = unlatch.read_recording(sys.argv[1])\n"
                    "print(json.dumps([list(table[name]) for name in ('received.gap', 'sensor.gap', 'received.gyro.x')]))\n")

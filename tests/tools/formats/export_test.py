@@ -47,16 +47,16 @@ class ExportTest(ProcessTest):
         nose = self.last["reactions"]["nose1"]
         self.assertEqual(end["nose1.mode"], nose["mode"])
         self.assertEqual([float(end[f"nose1.{row} [{'N m' if 'rot' in row else 'N'}]"]) for row in nose["rows"]], nose["lambda"])
-        told = [event for row in rows for event in row["events"].split("; ") if event]
-        self.assertEqual(told, [f"{e['name']} {e['subject']}" for e in self.report["events"]])
+        exported_events = [event for row in rows for event in row["events"].split("; ") if event]
+        self.assertEqual(exported_events, [f"{e['name']} {e['subject']}" for e in self.report["events"]])
 
     def test_every_nth_tick_of_some_bodies_and_no_event_is_lost(self):
         rows = list(csv.DictReader(self.export("csv", "--every", "300", "--bodies", "booster2").read_text().splitlines()))
         self.assertEqual([int(row["tick"]) for row in rows], [0, 300, 600, 800])
         self.assertIn("booster2.x [m]", rows[0])
         self.assertNotIn("core.x [m]", rows[0])
-        told = [event for row in rows for event in row["events"].split("; ") if event]
-        self.assertEqual(len(told), len(self.report["events"]))
+        exported_events = [event for row in rows for event in row["events"].split("; ") if event]
+        self.assertEqual(len(exported_events), len(self.report["events"]))
 
     def test_json_lines_are_the_run(self):
         lines = [json.loads(line) for line in self.export("json").read_text().splitlines()]
@@ -202,15 +202,15 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
                           "  - {drop: {message: State}, probability: 0.05}\n")
         session = self.run_json(UNLATCH, "hil", SCENARIOS / "boosters/scenario.yaml", "--transport", "inproc", "--pace", "lockstep", "--faults", script,
                                 "--until", "0.8", "--log", self.log, "--set", "flight_software.timeout=30", code=None)
-        told = [f"{event['name']} {event['subject']}" for event in session["session_events"]]
+        exported_events = [f"{event['name']} {event['subject']}" for event in session["session_events"]]
         for name in ("participant.joined fsw", "fault.stick accelerometer.x", "fault.bias gyro", "fault.bias.end gyro"):
-            self.assertIn(name, told)
-        self.assertTrue([name for name in told if name.startswith("fault.message.drop")])
+            self.assertIn(name, exported_events)
+        self.assertTrue([name for name in exported_events if name.startswith("fault.message.drop")])
         replayed = self.run_json(UNLATCH, "replay", self.log, code=None)
         self.assertEqual(replayed["session_events"], session["session_events"])
         rows = list(csv.DictReader(self.export("csv").read_text().splitlines()))
         exported = [event for row in rows for event in row["events"].split("; ") if event]
-        self.assertEqual(sorted(exported), sorted(told + [f"{e['name']} {e['subject']}".strip() for e in session["events"]]))
+        self.assertEqual(sorted(exported), sorted(exported_events + [f"{e['name']} {e['subject']}".strip() for e in session["events"]]))
         for tick, offset in ((50, 0), (99, 0), (100, 0.5), (200, 0.5), (201, 0), (800, 0)):
             for axis in "xyz":
                 self.assertEqual(float(rows[tick][f"received.gyro.{axis} [rad/s]"]), float(rows[tick][f"sensor.gyro.{axis} [rad/s]"]) + offset, (tick, axis))
@@ -287,16 +287,16 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.run_ok(UNLATCH, "run", scenario, "--log", self.log, code=1)
         for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
             out = self.folder / f"out.{form}"
-            told = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out, code=1).stderr
-            self.assertIn("unresolved", told, form)
-            self.assertIn("overshoot s: its period is not resolved", told, form)
+            printed = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out, code=1).stderr
+            self.assertIn("unresolved", printed, form)
+            self.assertIn("overshoot s: its period is not resolved", printed, form)
         end = json.loads((self.folder / "out.json").read_text().splitlines()[-1])
         self.assertEqual((end["kind"], end["status"]), ("end", "unresolved"))
         self.assertIn("overshoot s: its period is not resolved", end["message"])
         page = self.folder / "page.html"
-        told = self.run_ok(UNLATCH, "report", self.log, "--out", page).stderr
-        self.assertIn("run.log: unresolved: ", told)
-        self.assertIn("overshoot s: its period is not resolved", told)
+        printed = self.run_ok(UNLATCH, "report", self.log, "--out", page).stderr
+        self.assertIn("run.log: unresolved: ", printed)
+        self.assertIn("overshoot s: its period is not resolved", printed)
         self.assertIn("unresolved", page.read_text())
         self.assertEqual(self.read_with_node(self.folder / "out.mcap")["metadata"]["status"], "unresolved")
         keys = self.read_with_node(self.folder / "out.parquet")["keys"]

@@ -209,7 +209,7 @@ class RequirementsTest(ProcessTest):
         for name in ("back.reqif", "back.csv"):
             self.export(name)
             self.scenario.write_text(re.sub(r"text: .*?, clearance", "clearance", SCENARIO))
-            _, told = self.import_file(name, None)
+            _, printed = self.import_file(name, None)
             got = self.read_back()
             self.scenario.write_text(SCENARIO)
             self.assertEqual([got["near"][key] for key in ("text", "parent", "rationale")], [TEXT, "SYS-4", "a hand's width"], name)
@@ -221,10 +221,10 @@ class RequirementsTest(ProcessTest):
         self.assertEqual([rows[0][key] for key in ("parent", "text", "rationale")], ["SYS-4", TEXT, "a hand's width"])
 
     def test_files_of_other_tools_are_read_by_their_attributes(self):
-        part, told = self.import_file("doors.reqif", FOREIGN, "--rationale", "Begründung")
-        self.assertIn("1 requirement of pass set", told)
-        self.assertIn("does not judge 1 requirement: SYS 9.1", told)
-        self.assertIn("has no nearer, plain", told)
+        part, printed = self.import_file("doors.reqif", FOREIGN, "--rationale", "Begründung")
+        self.assertIn("1 requirement of pass set", printed)
+        self.assertIn("does not judge 1 requirement: SYS 9.1", printed)
+        self.assertIn("has no nearer, plain", printed)
         near = self.read_back()["near"]
         self.assertEqual([near[key] for key in ("text", "parent", "rationale")], ["The gap is 20 cm or more: H2O.", "SYS-7", 'room for a "hand"'])
         self.assertEqual(set(yaml.safe_load(part.read_text())), {"unlatch_part", "set"})
@@ -242,13 +242,13 @@ class RequirementsTest(ProcessTest):
                                    ("rows.csv", "id,text\nnear,a\nnear,b\n", "requirement 'near' stands there more than once"),
                                    ("others.csv", "id,text\nfar,a\nfar,b\n", "requirement 'far' stands there more than once"),
                                    ("dangling.reqif", FOREIGN.replace('IDENTIFIER="a-text"', 'IDENTIFIER="a-other"'), "'a-text', which the file does not define")):
-            _, told = self.import_file(name, text, code=2)
-            self.assertIn(reason, told, name)
+            _, printed = self.import_file(name, text, code=2)
+            self.assertIn(reason, printed, name)
             self.assertFalse((self.folder / "part.yaml").exists(), name)
 
     def test_a_file_that_does_not_exist_is_named_by_what_it_should_be(self):
-        _, told = self.import_file("none.reqif", None, code=2)
-        self.assertIn("name a readable file of requirements (.reqif, .csv)", told)
+        _, printed = self.import_file("none.reqif", None, code=2)
+        self.assertIn("name a readable file of requirements (.reqif, .csv)", printed)
 
     def test_a_command_line_that_says_too_little_is_refused(self):
         for arguments, reason in ((["export", self.scenario, "--out", "x.doc"], "format"), (["import", "a.csv", "--out", "x.yaml"], "a file and a scenario"),

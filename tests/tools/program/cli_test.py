@@ -181,12 +181,12 @@ joints:{bolts}
 events:
   - {{name: cut, when: {{time: 0.05 s}}, then: [{", ".join(f"{{set_mode: {{joint: bolt{k}, mode: free}}}}" for k in (0, 1, 3, 4, 6))}]}}
 """)
-        told = "5 of 8 rows of bolt0, bolt1, bolt2, bolt3, bolt4, bolt5, bolt6, bolt7 are redundant"
+        printed = "5 of 8 rows of bolt0, bolt1, bolt2, bolt3, bolt4, bolt5, bolt6, bolt7 are redundant"
         checked = call(UNLATCH, "check", scenario)
-        self.assertIn(told, checked.stdout)
+        self.assertIn(printed, checked.stdout)
         joints = [f"bolt{k}" for k in range(8)]
         self.assertEqual(self.run_json(UNLATCH, "check", scenario)["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "nearly_redundant": 0}])
-        self.assertIn(told, call(UNLATCH, "run", scenario).stdout)
+        self.assertIn(printed, call(UNLATCH, "run", scenario).stdout)
         run = self.run_json(UNLATCH, "run", scenario, "--sample", "0.02")
         self.assertEqual(run["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "nearly_redundant": 0, "from": 0.0, "until": 0.049}])
         for joint in joints:

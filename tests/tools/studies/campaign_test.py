@@ -164,7 +164,7 @@ requirements:
         process = subprocess.Popen([UNLATCH, "campaign", path, "--out", self.folder / "out"], stdout=subprocess.DEVNULL, stderr=other)
         os.close(other)
         shown = ""
-        # Until it has been shown twice; then Ctrl-C, which is told.
+        # Until it has been shown twice; then Ctrl-C, which is reported.
         while len(re.findall(" left", shown)) < 2 and process.poll() is None:
             shown += os.read(terminal, 4096).decode()
         process.send_signal(signal.SIGINT)

@@ -211,7 +211,7 @@ class MpiTest(ProcessTest):
 
     def test_bytes_that_are_not_of_the_protocol_end_the_job(self):
         path = self.write(MANY)
-        for mode, told in (("hello", "began with a message of no known kind"), ("twice", "began with a message of no known kind"),
+        for mode, printed in (("hello", "began with a message of no known kind"), ("twice", "began with a message of no known kind"),
                            ("version", "is another version of unlatch-mpi"), ("jobs", "no possible number of threads"),
                            ("size", "sent 1000000 bytes"), ("kind", "sent a message of no known kind"),
                            ("bye", "sent a message after its last one"), ("record", "no record of a sample"),
@@ -219,7 +219,7 @@ class MpiTest(ProcessTest):
                            ("again", "which it was not given"), ("inputs", "with other inputs than it was given")):
             with self.subTest(mode):
                 stderr = self.run_beside(path, BIN / "mpi_stranger", mode, path, code=3)
-                self.assertEqual(len(re.findall(f"^rank 1 .*{told}", stderr, re.M)), 1, stderr)
+                self.assertEqual(len(re.findall(f"^rank 1 .*{printed}", stderr, re.M)), 1, stderr)
                 shutil.rmtree(self.folder / "out")
 
     def test_a_foreign_rank_that_keeps_to_the_protocol_changes_nothing(self):

@@ -133,9 +133,9 @@ class SchemasTest(ProcessTest):
                 get(document, path)["zzz"] = 1
                 self.assertNotEqual(self.find_schema_errors(name, document), [], f"{name}: {path}")
                 done = self.check(document)
-                told = re.search(r"unknown key 'zzz' in .*?known: ([^\n]*)", done.stdout + done.stderr)
-                self.assertTrue(told, f"{name} at {path}: {done.stdout}{done.stderr}")
-                known.setdefault(section, set()).update(told[1].split(", "))
+                printed = re.search(r"unknown key 'zzz' in .*?known: ([^\n]*)", done.stdout + done.stderr)
+                self.assertTrue(printed, f"{name} at {path}: {done.stdout}{done.stderr}")
+                known.setdefault(section, set()).update(printed[1].split(", "))
             for section, keys in known.items():
                 self.assertEqual(keys, set(sections[section]["keys"]), f"{name}: {section}")
 

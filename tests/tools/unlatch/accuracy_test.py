@@ -233,9 +233,9 @@ class AccuracyTest(ProcessTest):
         text = PAIR.replace("STIFFNESS", "13.2").replace("LENGTH", "0.4").replace("position: [1, 0, 0]", "position: [0, 0, 0]")
         text = text.replace("point: [1, 0, 0], modes", "modes")
         plan = self.run_json(UNLATCH, "check", self.write(text))
-        told = [w["text"] for w in plan["warnings"] if w["name"] == "direction"]
-        self.assertEqual(len(told), 1)
-        self.assertIn("5.28 N", told[0])
+        warnings = [w["text"] for w in plan["warnings"] if w["name"] == "direction"]
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("5.28 N", warnings[0])
         run = json.loads(call(UNLATCH, "run", self.write(text), "--json", "-").stdout)
         self.assertEqual([(n["t"], n["subject"]) for n in run["notices"] if n["name"] == "accuracy.direction"], [(0, "pusher")])
 
@@ -262,9 +262,9 @@ bodies:
   one: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.5}}]}
   two: {mass: 1, inertia: [1, 1, 1], position: [0.7, 0, 0], shape: [{sphere: {radius: 0.5}}]}
 """
-        told = [(w["where"], w["text"]) for w in self.run_json(UNLATCH, "check", self.write(balls))["warnings"] if w["name"] == "overlap"]
-        self.assertEqual([where for where, _ in told], ["body 'two'"])
-        self.assertIn("lies 0.3 m within 'one'", told[0][1])
+        warnings = [(w["where"], w["text"]) for w in self.run_json(UNLATCH, "check", self.write(balls))["warnings"] if w["name"] == "overlap"]
+        self.assertEqual([where for where, _ in warnings], ["body 'two'"])
+        self.assertIn("lies 0.3 m within 'one'", warnings[0][1])
         for mended in (balls.replace("0.7", "1.0"),  # they touch
                        balls + "joints:\n  latch: {between: [one, two], point: [0.7, 0, 0], modes: {held: {kind: weld}}}\n"):
             self.assertNotIn("overlap", [w["name"] for w in self.run_json(UNLATCH, "check", self.write(mended))["warnings"]])

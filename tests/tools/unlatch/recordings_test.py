@@ -210,8 +210,8 @@ class RecordingsTest(ProcessTest):
         self.assertEqual(difference["fields_tick"], difference["tick"])
         self.assertTrue(difference["fields"])
         self.assertLess(report["first_input"]["tick"], difference["tick"])
-        told = [entry["channel"] for entry in difference["inputs"] if not entry["same"]]
-        self.assertIn(report["first_input"]["channel"], told)
+        printed = [entry["channel"] for entry in difference["inputs"] if not entry["same"]]
+        self.assertIn(report["first_input"]["channel"], printed)
         self.assertEqual({change["cause"] for change in difference["changes"][0]}, {"command"})
         self.assertEqual(difference["changes"][1], [], "no participant at pace fast")
         text = self.run_ok(UNLATCH, "diff", logs[0], logs[2], code=1).stdout

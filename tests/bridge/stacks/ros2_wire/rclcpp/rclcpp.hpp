@@ -42,19 +42,19 @@ struct Logger {};
 inline int errors = 0;
 inline bool running = true;
 
-// Tells on standard output of the first counterpart on the wire.
+// Reports the first counterpart on the wire on standard output.
 class Matches : public dds::DataReaderListener, public dds::DataWriterListener {
  public:
   explicit Matches(std::string topic) : topic_(std::move(topic)) {}
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
-    tell(status.current_count);
+    report(status.current_count);
   }
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
-    tell(status.current_count);
+    report(status.current_count);
   }
 
  private:
-  void tell(int count) {
+  void report(int count) {
     if (count > 0) std::printf("%s is matched\n", topic_.c_str());
     std::fflush(stdout);
   }
