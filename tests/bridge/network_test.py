@@ -6,7 +6,6 @@ network namespace of its own:
 """
 import os
 import time
-import unittest
 
 from network import BadLine, Cable
 from processes import BOOSTERS, FSW, UNLATCH, ProcessTest, run_tests

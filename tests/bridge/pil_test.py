@@ -14,7 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-from processes import BIN, BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_tests
+from processes import BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_tests
 from serial_cable import SerialCable
 
 BUILD = Path(sys.argv.pop(3))

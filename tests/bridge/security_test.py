@@ -9,7 +9,6 @@ import socket
 import subprocess
 import threading
 import time
-import unittest
 
 from processes import BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_tests
 

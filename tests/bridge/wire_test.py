@@ -15,7 +15,6 @@ import struct
 import subprocess
 import threading
 import time
-import unittest
 
 from processes import BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_tests
 

@@ -15,7 +15,7 @@ import fairing_reference
 import flight_reference as earth
 import numpy as np
 from ascent_reference import Spline
-from fairing_reference import CORE_INERTIA, CORE_MASS, ROOT, SELECT, TURNS, Half, Jettison
+from fairing_reference import CORE_INERTIA, CORE_MASS, ROOT, TURNS, Half, Jettison
 
 DEG = math.pi / 180
 FOLDER = ROOT / "hil/scenarios/fairing"

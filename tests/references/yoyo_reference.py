@@ -87,7 +87,7 @@ def get_tip(y, i):
 def fly(late):
     theta = SPIN * FIRE
     y = np.array([0, 0, theta, 0, 0, SPIN, *begin(SIDES[0], theta, SPIN), *begin(SIDES[1], theta, SPIN)])
-    now, free, on, tips, times, peaks, samples = FIRE, [True, late == 0], [True, True], [None, None], {}, [0.0, 0.0], []
+    now, free, on, tips, times, peaks = FIRE, [True, late == 0], [True, True], [None, None], {}, [0.0, 0.0]
     while any(on):
         def unwound(i):
             def event(_, state, *__):

@@ -1,5 +1,5 @@
 """The linear model of a simulation about its present state."""
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple
 
 import numpy as np
 import numpy.typing as npt

@@ -2,7 +2,6 @@
 """Contacts without a number of sub-steps, against runs at 1/64 of their parts: contacts_test.py BIN_FOLDER SOURCE_FOLDER"""
 import importlib.machinery
 import importlib.util
-import unittest
 
 from processes import SOURCE, UNLATCH, ProcessTest, main
 

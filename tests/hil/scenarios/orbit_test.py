@@ -3,7 +3,6 @@
 
     orbit_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
-import json
 import math
 
 from processes import SCENARIOS, UNLATCH, ProcessTest, main

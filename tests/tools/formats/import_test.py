@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Facts about `unlatch import`: imported models move as expected, and hostile files are refused. Run by ctest like tools_test.py."""
 
-import json
 import math
 
 from processes import UNLATCH, ProcessTest, call, main

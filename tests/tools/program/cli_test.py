@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Facts about the command line itself: help, completion, manual pages, colours, progress. Run by ctest like tools_test.py."""
 
-import json
 import os
 import pty
 import re

@@ -8,7 +8,6 @@ import json
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 from jsonschema import Draft202012Validator
 from optimize_test import SCENARIO

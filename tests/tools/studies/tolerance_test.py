@@ -117,7 +117,7 @@ class ToleranceTest(ProcessTest):
         self.check_sample(path, finer, "--results", self.folder / "out")
 
     def test_the_points_of_curves_stay_on_ticks(self):
-        path = self.write(f"samples: 4\ntolerance: 1e-3\ncurves: [{{of: ball.x, every: 3 ms}}]\n" + SPREAD)
+        path = self.write("samples: 4\ntolerance: 1e-3\ncurves: [{of: ball.x, every: 3 ms}]\n" + SPREAD)
         step = self.run_campaign(path, "out")["step"]
         self.assertAlmostEqual(step["step"], 0.003, delta=1e-12)
         row = self.read_table("out")[2]

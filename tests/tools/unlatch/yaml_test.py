@@ -3,7 +3,6 @@
 
     yaml_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
-import json
 import shutil
 
 import yaml

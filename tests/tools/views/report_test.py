@@ -13,7 +13,7 @@ from array import array
 from pathlib import Path
 
 from browser import CHROMIUM, Browser
-from processes import BOOSTERS, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+from processes import BOOSTERS, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, main
 
 MOST_BYTES = 5_000_000  # limit for a page of 10 s at 1 kHz
 # Positions are stored in single precision relative to the first body, at most 60 m away here: half a unit of its last place.
