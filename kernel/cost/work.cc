@@ -14,6 +14,7 @@
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/geometry/compiled_shape.h"
 #include "kernel/integration/contact_stages.h"
+#include "kernel/joints/kinematics.h"
 #include "unlatch/quantities.h"
 #include "unlatch/redundancy.h"
 
@@ -410,6 +411,17 @@ void count_surface_pairs(const PlanData& plan, std::int32_t first, std::int32_t 
     for (std::int32_t k = 0; k < b.count; ++k) count_shape_pair(plan, at(a.first + i), at(b.first + k), round, work);
 }
 
+// True of an angle whose gradient is not its axis in some mode (calc_angle_gradient()).
+bool has_gradient(const PlanData& plan, std::int32_t coordinate) {
+  const PlanCoordinate& c = plan.coordinates[at(coordinate)];
+  if (c.row < kRotX) return false;
+  const PlanJoint& joint = plan.joints[at(c.joint)];
+  const std::size_t next = at(c.joint) + 1, first = at(joint.first_mode),
+                    end = next < plan.joints.size() ? at(plan.joints[next].first_mode) : plan.modes.size();
+  const auto modes = std::span(plan.modes).subspan(first, end - first);
+  return !std::ranges::all_of(modes, [&](RowSet rows) { return has_plain_angle(joint, rows, c.row); });
+}
+
 void count_coordinates(const PlanData& plan, Coordinates set, Work& work) {
   const std::size_t count = set == Coordinates::kAll ? plan.coordinates.size() : at(plan.driven_coordinates);
   for (const PlanCoordinate& c : std::span(plan.coordinates).first(count)) {
@@ -417,6 +429,8 @@ void count_coordinates(const PlanData& plan, Coordinates set, Work& work) {
     work[!rotates ? Unit::kDisplacements : (universal ? Unit::kUniversalAngles : Unit::kAngles)] += 1;
   }
   work[Unit::kAngleEights] = std::ceil((work[Unit::kAngles] + work[Unit::kUniversalAngles]) / kEight);
+  // A gradient costs less than an angle about a cross.
+  for (std::int32_t i = 0; at(i) < count; ++i) work[Unit::kUniversalAngles] += has_gradient(plan, i) ? 1 : 0;
 }
 
 static_assert(kElementKinds == 8, "a new kind has a unit, which count_elements() counts");
@@ -441,19 +455,23 @@ void count_rigid(const PlanData& plan, Work& work) {
   work[Unit::kRigidRowBodies] = rows > 0 ? static_cast<double>(plan.bodies.size()) : 0;
 }
 
+// An element whose torque is along a gradient costs less than two along their axes.
+double count_turns(const PlanData& plan, std::int32_t coordinate) { return has_gradient(plan, coordinate) ? 2 : 1; }
+
 void count_elements(const PlanData& plan, Work& work) {
   count_loads(plan, work);
   const auto set = [&](Unit unit, std::size_t count) { work[unit] = static_cast<double>(count); };
   set(Unit::kPointSprings, plan.point_springs.size());
   for (const PlanJointSpring& own : plan.joint_springs)
-    work[own.axis < kRotX ? Unit::kSlideSprings : Unit::kTurnSprings] += 1;
+    work[own.axis < kRotX ? Unit::kSlideSprings : Unit::kTurnSprings] += count_turns(plan, own.coordinate);
   set(Unit::kPlaneTorsions, plan.plane_torsions.size());
   for (const PlanOneSided& own : plan.one_sided) {
     const Unit in_joint = own.axis < kRotX ? Unit::kJointOneSided : Unit::kTurnOneSided;
-    work[own.joint == kNone ? Unit::kPointOneSided : in_joint] += 1;
+    work[own.joint == kNone ? Unit::kPointOneSided : in_joint] +=
+        own.joint == kNone ? 1 : count_turns(plan, own.coordinate);
   }
   set(Unit::kCords, plan.drums.size());
-  set(Unit::kFrictions, plan.frictions.size());
+  for (const PlanFriction& own : plan.frictions) work[Unit::kFrictions] += count_turns(plan, own.coordinate);
   set(Unit::kAerodynamics, plan.aerodynamics.size());
   set(Unit::kAeroTerms, plan.aero_terms.size());
   set(Unit::kCompliant, plan.compliant.size());

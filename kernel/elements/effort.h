@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernel/elements/instant.h"
+#include "kernel/joints/coordinates.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/readings.h"
@@ -14,7 +15,7 @@ struct Effort {
   std::int32_t base = kGround, follower = kGround;  // bodies
   bool turns = false;                               // a torque about `direction`; otherwise a force along it
   bool acts = false;                                // it is applied; false where there is no direction, for example
-  Vec3 direction{0, 0, 0};                          // W, unit
+  Vec3 direction{0, 0, 0};                          // W, unit; of a torque about a joint's axis, its angle's gradient
   Vec3 r_base{0, 0, 0}, r_follower{0, 0, 0};        // from the bodies' origins to where a force acts, W, m
   double size = 0;                                  // on the follower along `direction`, N or N m, at its switch scale
   double length = 0, rate = 0;                      // the element's coordinate, m or rad, and its rate
@@ -34,7 +35,7 @@ struct LinearSpring {
   bool implicit = false;              // it is integrated implicitly
 };
 
-// Direction and arms of a joint's axis.
+// Direction and arms of a joint's axis; of an axis of rotation the gradient of its angle (calc_angle_gradient()).
 struct JointLine {
   Vec3 direction{0, 0, 0}, r_base{0, 0, 0}, r_follower{0, 0, 0};
 };
@@ -48,10 +49,10 @@ struct StageMotion {
   const State& state() const { return now.state; }
   double time() const { return now.t; }
   BodyFrame get_frame(int body) const { return get_body_frame(ev, body); }
-  JointLine get_line(int joint, int axis) const {
-    const JointView view(now.plan, ev, joint);
-    if (axis >= kRotX) return {view.get_axis(axis)};
-    return {view.get_axis(axis), view.get_arm(false), view.get_arm(true)};
+  JointLine get_line(const PlanCoordinate& c) const {
+    if (c.row >= kRotX) return {calc_angle_gradient(now.plan, now.state, ev, c)};
+    const JointView view(now.plan, ev, c.joint);
+    return {view.get_axis(c.row), view.get_arm(false), view.get_arm(true)};
   }
   const Implicit& implicit() const { return now.implicit; }
 };
@@ -67,7 +68,7 @@ struct FinalMotion {
   const State& state() const { return kept.state; }
   double time() const { return data.get_time(state().header->tick); }
   BodyFrame get_frame(int body) const { return calc_body_frame(state(), body); }
-  JointLine get_line(int, int) const { return {}; }
+  JointLine get_line(const PlanCoordinate&) const { return {}; }
   Implicit implicit() const { return {}; }
 };
 
@@ -82,12 +83,12 @@ inline ElementTraits describe_in_joint(const char* kind, const Model& model, int
 }
 
 // Effort along or about an axis of a joint; its size is left at 0. `x`, `rate`: the joint's coordinate and its rate.
-inline Effort calc_in_joint(const auto& motion, int joint, int axis, double x, double rate) {
-  const PlanJoint& own = motion.plan().joints[at(joint)];
-  const JointLine line = motion.get_line(joint, axis);
+inline Effort calc_in_joint(const auto& motion, const PlanCoordinate& coordinate, double x, double rate) {
+  const PlanJoint& own = motion.plan().joints[at(coordinate.joint)];
+  const JointLine line = motion.get_line(coordinate);
   return {.base = own.base,
           .follower = own.follower,
-          .turns = axis >= kRotX,
+          .turns = coordinate.row >= kRotX,
           .acts = true,
           .direction = line.direction,
           .r_base = line.r_base,

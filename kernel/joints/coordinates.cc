@@ -35,7 +35,22 @@ std::span<const PlanCoordinate> get_coordinates(const PlanData& plan, Coordinate
       .first(set == CoordinateSet::kAll ? plan.coordinates.size() : at(plan.driven_coordinates));
 }
 
+// Of 1 + n · n_f, below which an angle is not determined.
+constexpr double kLeastTwist = 1e-9;
+
 }  // namespace
+
+Vec3 calc_angle_gradient(const PlanData& plan, const State& state, const Evaluation& ev,
+                         const PlanCoordinate& coordinate) noexcept {
+  const JointView joint(plan, ev, coordinate.joint);
+  const PlanJoint& own = joint.get_joint();
+  const Vec3 axis = joint.get_axis(coordinate.row);
+  if (has_plain_angle(own, get_active_rows(plan, state, coordinate.joint), coordinate.row)) return axis;
+  const Mat3 follower = read(ev.blocks.data(), ev.places[at(own.follower)], &BodyLane::R);
+  const Vec3 carried = follower * cross(coordinate.across_follower[0], coordinate.across_follower[1]);
+  const double sum = 1 + dot(axis, carried);
+  return sum > kLeastTwist ? (1 / sum) * (axis + carried) : axis;
+}
 
 double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -54,7 +69,7 @@ std::size_t measure_coordinates(const PlanData& plan, const State& state, Coordi
       ev.coordinates[i] = joint.get_displacement(c.row);
       continue;
     }
-    ev.speeds[i] = dot(joint.get_axis(c.row), joint.get_slip().ang);
+    ev.speeds[i] = dot(calc_angle_gradient(plan, state, ev, c), joint.get_slip().ang);
     const Turn turn = measure_turn(plan, state, ev, c, joint);
     ev.rotation_sines[rotations] = turn.sine;
     ev.rotation_cosines[rotations++] = turn.cosine;

@@ -33,6 +33,12 @@ inline RowSet get_active_rows(const PlanData& plan, const State& state, int join
 inline bool is_crossed(const PlanJoint& joint, RowSet rows) noexcept {
   return joint.universal && (rows & kRotationRows) == row_bit(kRotZ);
 }
+// True if the follower turns relative to the base about this axis of rotation alone, or about those of a cross: the
+// rate of its angle is then the relative angular velocity along the axis.
+inline bool has_plain_angle(const PlanJoint& joint, RowSet rows, int axis) noexcept {
+  const auto others = static_cast<RowSet>(kRotationRows & static_cast<RowSet>(~row_bit(axis)));
+  return (rows & others) == others || is_crossed(joint, rows);
+}
 
 // Parts of a joint's frame, as update_joints() leaves them: of an edge of the tree in its child's lane, of any other
 // joint in a frame of its own.

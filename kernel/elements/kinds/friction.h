@@ -54,8 +54,8 @@ struct FrictionKind {
   }
   static Effort calc(const auto& motion, const PlanFriction& own, std::size_t i, double) {
     const std::size_t coordinate = at(own.coordinate);
-    Effort effort =
-        calc_in_joint(motion, own.joint, own.axis, motion.ev.coordinates[coordinate], motion.ev.speeds[coordinate]);
+    Effort effort = calc_in_joint(motion, motion.plan().coordinates[coordinate], motion.ev.coordinates[coordinate],
+                                  motion.ev.speeds[coordinate]);
     effort.size = motion.ev.friction_sizes[i];
     return effort;
   }

@@ -35,25 +35,13 @@ struct JointSpringKind {
     const std::size_t coordinate = at(own.coordinate);
     double x = motion.ev.coordinates[coordinate], rate = motion.ev.speeds[coordinate], lead = 0;
     if (own.compliant != kNone) lead = calc_lead(motion.ev.compliant[at(own.compliant)], motion.implicit(), x, rate);
-    Effort effort = calc_in_joint(motion, own.joint, own.axis, x, rate);
+    Effort effort = calc_in_joint(motion, motion.plan().coordinates[coordinate], x, rate);
     effort.size = calc_joint_spring(own, x, rate, scale) + lead;
     return effort;
   }
-  // A torsion about an axis of the rotation frame has a potential while the two other rotations are held.
-  static bool has_potential(RowSet rows, int axis) {
-    const auto others = static_cast<RowSet>(kRotationRows & static_cast<RowSet>(~row_bit(axis)));
-    return axis < kRotX || (rows & others) == others;
-  }
-  static ElementEnergy calc_energy(const StageMotion& motion, const PlanJointSpring& own, const Effort& effort,
-                                   double scale) {
-    const double stretch = effort.length - own.rest;
-    double push = own.effort * scale, potential = 0;
-    if (has_potential(get_active_rows(motion.plan(), motion.state(), own.joint), own.axis))
-      potential = calc_stored(own.stiffness, stretch);
-    else
-      push -= own.stiffness * stretch * scale;
-    return {.potential = potential,
-            .motors = push * effort.rate,
+  static ElementEnergy calc_energy(const StageMotion&, const PlanJointSpring& own, const Effort& effort, double scale) {
+    return {.potential = calc_stored(own.stiffness, effort.length - own.rest),
+            .motors = own.effort * scale * effort.rate,
             .dampers = -own.damping * scale * effort.rate * effort.rate};
   }
   static LinearSpring get_spring(const PlanData&, const PlanJointSpring& own) {

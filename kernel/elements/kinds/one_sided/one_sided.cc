@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernel/joints/coordinates.h"
 #include "kernel/joints/kinematics.h"
 #include "unlatch/readings.h"
 
@@ -17,10 +18,12 @@ OneSidedMotion calc_joint_depth(const Evaluation& ev, const PlanOneSided& own) {
   return m;
 }
 
-OneSidedMotion calc_joint_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) {
+OneSidedMotion calc_joint_motion(const PlanData& plan, const State& state, const Evaluation& ev,
+                                 const PlanOneSided& own) {
   const JointView joint(plan, ev, own.joint);
   OneSidedMotion m = calc_joint_depth(ev, own);
-  m.direction = joint.get_axis(own.axis);
+  m.direction = own.axis < kRotX ? joint.get_axis(own.axis)
+                                 : calc_angle_gradient(plan, state, ev, plan.coordinates[at(own.coordinate)]);
   m.r_base = joint.get_arm(false);
   m.r_follower = joint.get_arm(true);
   return m;
@@ -73,7 +76,7 @@ OneSidedMotion calc_point_motion(const PlanOneSided& own, const CordDrum* drum, 
 
 OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
                            const PlanOneSided& own) noexcept {
-  if (own.joint != kNone) return calc_joint_motion(plan, ev, own);
+  if (own.joint != kNone) return calc_joint_motion(plan, state, ev, own);
   return calc_point_motion(plan, state, own, get_body_frame(ev, own.base), get_body_frame(ev, own.follower));
 }
 

@@ -19,8 +19,8 @@ namespace unlatch {
 
 // Its coordinate, and how a unit of force along it acts on the two bodies. World axes.
 struct OneSidedMotion {
-  Vec3 direction;           // along which the coordinate grows; of an angle, its axis; 0 where the line has no length
-  Vec3 r_base, r_follower;  // from the bodies' origins to where it acts
+  Vec3 direction;  // along which the coordinate grows; of an angle, its gradient; 0 where the line has no length
+  Vec3 r_base, r_follower;      // from the bodies' origins to where it acts
   double x, depth, depth_rate;  // coordinate, m or rad; depth and its rate
   CordPath path{};              // of a cord with a drum
 };
