@@ -164,9 +164,9 @@ int solve_sliding_rows(RigidSet may, Evaluation& ev) {
   return kNone;
 }
 
-// What the friction of the pair at `rows` has come to: the force on the follower, and what decides whether it sticks or
-// slips on.
-void keep_friction(const PlanData& plan, int r, Evaluation& ev) {
+// What the friction of the pair at row `r` has come to: the force on the follower, and what decides whether it sticks
+// or slips on.
+void keep_friction(int r, Evaluation& ev) {
   const RigidScratch& s = ev.rigid;
   const RigidRow* rows = &s.rows[at(r)];
   const double normal = s.forces[at(r)], first = s.forces[at(r + 1)], second = s.forces[at(r + 2)];
@@ -178,10 +178,29 @@ void keep_friction(const PlanData& plan, int r, Evaluation& ev) {
   const double cone = rows[0].friction * normal + kLeast / std::max(rows[1].free, rows[2].free);
   ev.pair_slides[pair] = rows[0].mode == RigidMode::kSticks ? std::sqrt(first * first + second * second) - cone
                                                             : -rows[1].rate - kRigidRest;
-  const PlanContact& contact = plan.contacts[at(plan.contact_pairs[pair].contact)];
+}
+
+// Adds the pair at row `r` to the rates of its contact.
+void add_pair(const RigidScratch& s, int r, bool has_friction, ContactRates& rates) {
+  const RigidRow* rows = &s.rows[at(r)];
   // What a pair that sticks drifts by is no slip: an error of the integration.
   const double slip = rows[0].mode == RigidMode::kSticks ? 0 : rows[0].slip;
-  add_impulse_rate(contact, normal, slip, -(first * rows[1].rate + second * rows[2].rate), ev);
+  const double work = has_friction ? s.forces[at(r + 1)] * rows[1].rate + s.forces[at(r + 2)] * rows[2].rate : 0;
+  rates.add(s.forces[at(r)], slip, -work);
+}
+
+// The rates of all contacts with rows; those of a contact follow one another.
+void store_rates(const PlanData& plan, Evaluation& ev) {
+  const RigidScratch& s = ev.rigid;
+  ContactRates rates;
+  for (int r = 0, latest = kNone; r <= s.count; ++r) {
+    if (r < s.count && s.rows[at(r)].tangent != 0) continue;
+    const int contact = r < s.count ? plan.contact_pairs[at(s.rows[at(r)].pair)].contact : kNone;
+    if (contact != latest && latest != kNone) rates.store(plan.contacts[at(latest)], ev);
+    if (contact != latest) rates = {};
+    if (contact != kNone) add_pair(s, r, plan.contacts[at(contact)].friction > 0, rates);
+    latest = contact;
+  }
 }
 
 }  // namespace
@@ -316,12 +335,9 @@ int solve_rigid_rows(const Instant& now, RigidTarget target, const Sweep& sweep,
     ev.pair_forces[at(row.pair)] = s.forces[at(r)];
     largest = std::max(largest, std::abs(s.forces[at(r)]) * row.free);
     ev.pair_distances[at(row.pair)] = row.gap;
-    const PlanContact& contact = plan.contacts[at(plan.contact_pairs[at(row.pair)].contact)];
-    if (contact.friction > 0)
-      keep_friction(plan, r, ev);
-    else
-      add_impulse_rate(contact, s.forces[at(r)], row.slip, 0, ev);
+    if (plan.contacts[at(plan.contact_pairs[at(row.pair)].contact)].friction > 0) keep_friction(r, ev);
   }
+  store_rates(plan, ev);
   constexpr double kPart = 1e-8, kLeast = 1e-11;  // of accelerations that is rounding; m/s²
   const int leaves = find_contradiction(has_slip_rows(ev) ? get_holding_rows(ev) : set, kPart * largest + kLeast, ev);
   if (leaves != kNone)

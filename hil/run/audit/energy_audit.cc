@@ -48,6 +48,12 @@ Seen look(const Simulation& simulation) {
   return {change_frame(flow, rest), {.grounded = false, .velocity = near.velocity + rest}};
 }
 
+// Kinetic energy that an event's actions may add, as seen from the centre of mass, which their impulses accelerate.
+double calc_allowed_from_centre(const EventAudit& audit) {
+  const Vec3 impulse = audit.allowed.momentum, mean = audit.flow_before.momentum + 0.5 * impulse;
+  return audit.allowed.kinetic - dot(mean, impulse) / audit.flow_before.mass;
+}
+
 }  // namespace
 
 EnergyAudit::EnergyAudit(const Simulation& simulation)
@@ -112,14 +118,14 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const EnergyFlow start = calc_start(smooth);
   if (grounded != grounded_) following_.forget();
   const bool implicit = is_implicit();
-  const auto add = [&](const auto& see, const auto& see_event) {
+  const auto add = [&](const auto& see, const auto& see_event, const auto& calc_allowed) {
     const EnergyFlow from = see(start, frame_), reached = see(flow, frame);
     following_.begin_tick(smooth);
     EnergyFlow last = from;
     double time = end - dt;
     for (const EventAudit& audit : report.audits) {
       following_.add_piece(last, see_event(audit.flow_before), audit.time - time);
-      following_.add_impulse(audit.allowed.kinetic);
+      following_.add_impulse(calc_allowed(audit));
       last = see_event(audit.flow_after);
       time = audit.time;
     }
@@ -128,10 +134,11 @@ void EnergyAudit::add_tick(const StepReport& report) {
   };
   if (grounded)
     add([](const EnergyFlow& seen, const AuditFrame& from) { return change_frame(seen, -from.velocity); },
-        [](const EnergyFlow& seen) { return seen; });
+        [](const EnergyFlow& seen) { return seen; }, [](const EventAudit& audit) { return audit.allowed.kinetic; });
   else
     add([](const EnergyFlow& seen, const AuditFrame&) { return seen; },
-        [](const EnergyFlow& seen) { return change_frame(seen, (1 / seen.mass) * seen.momentum); });
+        [](const EnergyFlow& seen) { return change_frame(seen, (1 / seen.mass) * seen.momentum); },
+        calc_allowed_from_centre);
   grounded_ = grounded;
   keep(flow, frame);
 }

@@ -129,6 +129,46 @@ events:
   EXPECT_LT(run.get_part(), kExact);
 }
 
+// Seen from the centre of mass an impulse J does the work J · (what the body gains on the centre, in the mean): at any
+// speed of flight.
+TEST(EnergyAudit, AnImpulseOfAnActionIsSeenFromTheCentreOfMass) {
+  for (const char* speed : {"0", "7000"}) {
+    std::string text = kPair;
+    for (std::size_t at = text.find("[1, 1, 1]"); at != std::string::npos; at = text.find("[1, 1, 1]", at + 1))
+      text.insert(at + 9, std::string(", velocity: [") + speed + ", 0, 0]");
+    const Audited run(
+        text + "events:\n  - {name: hit, when: {time: 0.305}, then: [{impulse: {body: a, linear: [4, 0, 0]}}]}\n");
+    EXPECT_NEAR(run.energy().impulses, 2, kExact) << speed;  // 4 N s · (1 − ½) m/s
+    EXPECT_NEAR(run.energy().kinetic, 2, kExact) << speed;
+    EXPECT_LT(std::abs(run.energy().largest), kExact) << speed;
+  }
+}
+
+// Torques of springs and stops about an axis of a joint whose other rotations are free have a potential: they are along
+// the gradient of the angle.
+TEST(EnergyAudit, SpringsAndStopsAboutAnAxisKeepEnergyWhicheverRotationsAreFree) {
+  for (const char* mode : {"{kind: ball}", "{rows: []}", "{rows: [x, y, z, rot_x]}", "{rows: [x, y, z, rot_z]}",
+                           "{rows: [rot_y]}", "{kind: universal}"}) {
+    for (const char* element :
+         {"stops:\n  up: {joint: j, axis: rot_y, at_most: 0.05, stiffness: 20 N m/rad}\n  down: {joint: j, axis: "
+          "rot_y, "
+          "at_least: -0.05, stiffness: 20 N m/rad}\n",
+          "elements:\n  s: {type: joint_spring, joint: j, axis: rot_y, stiffness: 5 N m/rad}\n"}) {
+      const Audited run(std::string(R"(unlatch: 1
+name: swivel
+step: {dt: 1 ms, until: 1.5 s}
+bodies:
+  a: {mass: 10 kg, inertia: [1, 1.2, 1.5]}
+  b: {mass: 1 kg, inertia: [0.03, 0.18, 0.18], position: [1, 0, 0], rate: [1, 1.2, 1.7], velocity: [0, 0.85, -0.6]}
+joints:
+  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )") +
+                        mode + "}}\n" + element);
+      EXPECT_LT(run.get_part(), kBalances) << mode << '\n' << element;
+      EXPECT_NEAR(run.get_work(PowerSource::kMotors), 0, kExact) << mode;
+    }
+  }
+}
+
 TEST(EnergyAudit, APusherThatEndsItsStrokeInsideAStepBalances) {
   std::string text = spring("400", "0");
   text.replace(text.find("free_length: 1"), 14, "free_length: 2, push_only: true");

@@ -155,5 +155,36 @@ TEST(QuantitiesOfScenarios, MistakesNameTheirPlaceAndWhatWouldBeRight) {
   expect("quantities: {q: {rate: {body: core, about: [1, 0, 0], component: x}}}\n", "a component and a direction");
 }
 
+// About each axis, whichever rotations a joint leaves free.
+TEST(QuantitiesOfScenarios, TheSpeedOfAJointIsTheRateOfItsAngle) {
+  for (const char* mode : {"{kind: free}", "{kind: ball}", "{rows: [x, y, z, rot_x]}", "{kind: universal}"}) {
+    std::string text = std::string(R"(unlatch: 1
+name: twist
+step: {dt: 1 ms, until: 1}
+bodies:
+  a: {mass: 10, inertia: [1, 1.2, 1.5], rate: [0.3, -0.2, 0.4]}
+  b: {mass: 1, inertia: [0.03, 0.18, 0.2], position: [1, 0, 0], rate: [1, 1.2, 0.7]}
+joints:
+  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )") +
+                       mode + "}}\nsensors:\n";
+    for (const std::string axis : {"x", "y", "z"})
+      text += "  angle" + axis + ": {type: angle, joint: j, axis: " + axis + "}\n  speed" + axis +
+              ": {type: speed, joint: j, axis: rot_" + axis + "}\n";
+    const hil::Scenario scenario = hil::load_scenario_text(text, "twist.yaml");
+    const auto simulation = hil::build_simulation(scenario);
+    std::vector<std::vector<double>> seen;
+    for (int tick = 0; tick < 600; ++tick) {
+      ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+      seen.emplace_back(simulation->workspace().sensors.begin(), simulation->workspace().sensors.end());
+    }
+    for (std::size_t tick = 2; tick + 2 < seen.size(); ++tick)
+      for (std::size_t i = 0; i < 6; i += 2) {
+        const auto at = [&](std::size_t k) { return seen[k][i]; };
+        const double rate = (8 * (at(tick + 1) - at(tick - 1)) - (at(tick + 2) - at(tick - 2))) / (12 * scenario.dt);
+        ASSERT_NEAR(seen[tick][i + 1], rate, 1e-8) << mode << ", axis " << i / 2 << ", tick " << tick;
+      }
+  }
+}
+
 }  // namespace
 }  // namespace unlatch::test::quantities_test

@@ -116,6 +116,25 @@ requirements:
   EXPECT_NEAR(run.analysis.list_contacts()[0].totals.slip, 0.75, 1e-9);
 }
 
+// The last part before a lift ends without a force, by which the slips of pairs are weighted.
+TEST(RigidContacts, ThePathOfASlipGoesOnUntilTheLift) {
+  const AnalysedRun run(R"(unlatch: 1
+name: lifted
+step: {dt: 10 ms, until: 0.2 s}
+gravity: {uniform: [0, 0, -10]}
+bodies:
+  ball: {mass: 1, inertia: [0.004, 0.004, 0.004], position: [0, 0, 0.1], velocity: [2, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+ground: {shape: [{name: floor, half_space: {normal: [0, 0, 1]}}]}
+contacts:
+  feet: {between: [ground.floor, ball], rigid: true}
+elements:
+  lift: {type: force, body: ball, frame: world, direction: [0, 0, 1], profile: {table: {times: [0, 95 ms, 2 s], values: [0, 10 N, 15 N]}}}
+requirements:
+  - {id: slip, contact_slip: feet, take: final, at_most: 1 m}
+)");
+  EXPECT_NEAR(run.judge("slip").value, 0.19, 1e-9);  // 2 m/s until 95 ms
+}
+
 TEST(RigidContacts, TheEnergyBalanceCloses) {
   const hil::Scenario scenario = hil::load_scenario_text(build_ball("0.2", "rigid: true, restitution: 0.5"), "s.yaml");
   const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);

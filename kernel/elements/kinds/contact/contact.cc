@@ -63,31 +63,10 @@ void write_totals(const ContactTotals& totals, std::span<double> auxiliary, cons
   std::copy(numbers.begin(), numbers.end(), auxiliary.begin() + contact.auxiliary);
 }
 
-// Speed of the slip of a contact, m/s: of its closed pairs the mean weighted by F_n; where they have no force, as at
-// the instant of a touch, the plain mean.
-class SlipMean {
- public:
-  void add(double normal, double slip) {
-    weight_ += normal;
-    weighted_ += normal * slip;
-    sum_ += slip;
-    count_ += 1;
-  }
-  [[nodiscard]] double get() const { return weight_ > 0 ? weighted_ / weight_ : count_ > 0 ? sum_ / count_ : 0; }
-
- private:
-  double weight_ = 0, weighted_ = 0, sum_ = 0, count_ = 0;
-};
-
 }  // namespace
 
-void add_impulse_rate(const PlanContact& contact, double force, double slip, double loss, Evaluation& ev) noexcept {
-  ContactTotals rates = read_totals(ev.auxiliary.rate, contact);
-  const double all = rates.impulse + force;
-  rates.slip = all > 0 ? (rates.slip * rates.impulse + slip * force) / all : 0;
-  rates.impulse = all;
-  rates.dissipated += loss;
-  write_totals(rates, ev.auxiliary.rate, contact);
+void ContactRates::store(const PlanContact& contact, Evaluation& ev) const noexcept {
+  write_totals({force_, slip_.get(), loss_}, ev.auxiliary.rate, contact);
 }
 
 void add_impulse(const PlanContact& contact, double impulse, double loss, Evaluation& ev) noexcept {
@@ -291,8 +270,7 @@ void ContactKind::add_forces(const Instant& now, const PlanContact& contact, dou
   const PlanData& plan = now.plan;
   const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
   const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
-  double force = 0, loss = 0;
-  SlipMean slip;
+  ContactRates rates;
   for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
     if (now.state.contacts[i].closed == 0) continue;
     const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
@@ -301,11 +279,9 @@ void ContactKind::add_forces(const Instant& now, const PlanContact& contact, dou
     ev.closed_pairs[i] = {f.point, distance.normal, f.slip_velocity, -distance.distance, f.rate};
     push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
     push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
-    force += f.normal;
-    slip.add(f.normal, f.slip);
-    loss += f.calc_loss();
+    rates.add(f.normal, f.slip, f.calc_loss());
   }
-  write_totals({force, slip.get(), loss}, ev.auxiliary.rate, contact);
+  rates.store(contact, ev);
 }
 
 void ContactKind::add_energy(const StageMotion& motion, const PlanContact& contact, std::size_t, EnergySum& sum) {

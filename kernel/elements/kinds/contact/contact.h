@@ -50,9 +50,39 @@ struct MovingFrame {
 double calc_depth_acceleration(const PlanData& plan, const ContactPair& pair, const MovingFrame& base,
                                const MovingFrame& follower, double rate, double step) noexcept;
 
-// Adds a pair to the rates of a rigid contact's totals: force, N, slip, m/s, and loss, W. To its impulse (N s) and loss
-// (J) at one instant.
-void add_impulse_rate(const PlanContact& contact, double force, double slip, double loss, Evaluation& ev) noexcept;
+// Speed of the slip of a contact, m/s: of its closed pairs the mean weighted by F_n; where none pushes, as at the
+// instant of a touch or a lift, the plain mean.
+class SlipMean {
+ public:
+  void add(double normal, double slip) {
+    const double weight = normal > 0 ? normal : 0;
+    weight_ += weight;
+    weighted_ += weight * slip;
+    sum_ += slip;
+    count_ += 1;
+  }
+  [[nodiscard]] double get() const { return weight_ > 0 ? weighted_ / weight_ : count_ > 0 ? sum_ / count_ : 0; }
+
+ private:
+  double weight_ = 0, weighted_ = 0, sum_ = 0, count_ = 0;
+};
+
+// Rates of a contact's totals, of which each closed pair adds its force, N, slip, m/s, and loss, W.
+class ContactRates {
+ public:
+  void add(double normal, double slip, double loss) {
+    force_ += normal;
+    slip_.add(normal, slip);
+    loss_ += loss;
+  }
+  void store(const PlanContact& contact, Evaluation& ev) const noexcept;
+
+ private:
+  double force_ = 0, loss_ = 0;
+  SlipMean slip_;
+};
+
+// Adds to a rigid contact's impulse (N s) and loss (J) at one instant.
 void add_impulse(const PlanContact& contact, double impulse, double loss, Evaluation& ev) noexcept;
 
 // k δⁿ⁺¹/(n + 1) at scale 1, J.
