@@ -11,7 +11,8 @@
 // y⁺ = y + h/2 (first + second). No fill, no iteration.
 //
 // Modes of flexible bodies are springs on their modal coordinates. A joint with such a spring is eliminated through its
-// freedoms whatever its mode, since the spring acts on one of them.
+// freedoms whatever its mode, since the spring acts on one of them. About an axis of a joint whose other rotations are
+// free the spring acts on all three, along the gradient of its angle: in such a mode it is explicit.
 #pragma once
 
 #include "kernel/plan/evaluation.h"
@@ -27,6 +28,9 @@ struct Implicit {
   ImplicitStage stage = ImplicitStage::kOff;
   double h = 0, gamma_h = 0;  // s
 };
+
+// True if a spring in a joint is integrated implicitly in the joint's present mode.
+bool is_implicit(const PlanData& plan, const State& state, const PlanJointSpring& spring) noexcept;
 
 // True if some element that is integrated implicitly is on at time t.
 bool is_stiff(const PlanData& plan, const State& state, double t) noexcept;

@@ -16,6 +16,7 @@
 #include "kernel/dynamics/varying.h"
 #include "kernel/elements/compliance.h"
 #include "kernel/elements/kinds/load.h"
+#include "kernel/model/from_eigen.h"
 #include "kernel/solver/loops/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
@@ -199,7 +200,32 @@ Dense build_dense(const System& s, const Model& placed, const SystemState& state
   return d;
 }
 
-// Adds an implicit spring: its Jacobian row is that of the joint's row, as if it were active.
+// Gradient of the angle about a spring's axis over the speeds of the rigid bodies, where more than that rotation is
+// free: the twist is 2 atan(v_k / w) of the relative quaternion (w, v), and v' = (w ω + ω × v)/2, w' = −ω · v/2.
+// Otherwise empty.
+RealVector calc_twist_gradient(const Model& placed, const SystemState& state, const JointSpring& spring, Index size) {
+  const Joint& joint = placed.joints[static_cast<std::size_t>(spring.joint)];
+  const RowSet rows = joint.modes[static_cast<std::size_t>(joint.mode)].rows;
+  const int k = spring.axis - kRotX;
+  if (k < 0 || ((rows | row_bit(spring.axis)) & kRotationRows) == kRotationRows) return {};
+  const auto get_attitude = [&](int body) -> Eigen::Matrix3d {
+    if (body == kGround) return Eigen::Matrix3d::Identity();
+    return state.bodies[static_cast<std::size_t>(body)].q_WB.toRotationMatrix();
+  };
+  const RotationFrame frame = get_rotation_frame(placed, joint);
+  const Eigen::Matrix3d base = get_attitude(joint.base), follower = get_attitude(joint.follower);
+  const Eigen::Quaterniond q((base * frame.base).transpose() * (follower * frame.follower));
+  const Eigen::Vector3d v = q.vec(), e = Eigen::Vector3d::Unit(k);
+  const double w = q.w();
+  const Eigen::Vector3d gradient = base * frame.base * (w * w * e + w * v.cross(e) + v[k] * v) / (w * w + v[k] * v[k]);
+  RealVector out = RealVector::Zero(size);
+  out.segment(6 * joint.follower + 3, 3) += (follower.transpose() * gradient).cast<Real>();
+  if (joint.base != kGround) out.segment(6 * joint.base + 3, 3) -= (base.transpose() * gradient).cast<Real>();
+  return out;
+}
+
+// Adds an implicit spring: its Jacobian row is that of the joint's row, as if it were active. One about an axis of a
+// joint that turns about others too is explicit.
 void add_spring(Dense& d, const Model& placed, const SystemState& state, const JointSpring& spring, double x) {
   Model rigid = placed;
   for (Body& body : rigid.bodies) {
@@ -220,9 +246,13 @@ void add_spring(Dense& d, const Model& placed, const SystemState& state, const J
     const Real rate = g.dot(kkt.speed), lead = static_cast<Real>(kGamma) * static_cast<Real>(kStep);
     const Real k = static_cast<Real>(spring.stiffness), damping = static_cast<Real>(spring.damping),
                pivot = lead * (lead * k + damping);
-    const Real effort =
-        static_cast<Real>(spring.effort) - k * static_cast<Real>(x - spring.rest) - damping * rate - lead * k * rate;
+    const Real slack = static_cast<Real>(spring.effort) - k * static_cast<Real>(x - spring.rest);
     const Index n = g.size();
+    if (const RealVector twist = calc_twist_gradient(placed, state, spring, n); twist.size() > 0) {
+      d.F.head(n) += twist * (slack - damping * twist.dot(kkt.speed));
+      continue;
+    }
+    const Real effort = slack - damping * rate - lead * k * rate;
     d.M.topLeftCorner(n, n) += pivot * g * g.transpose();
     d.F.head(n) += g * (effort + pivot * kkt.bias[static_cast<Index>(i)]);
   }

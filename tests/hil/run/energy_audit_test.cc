@@ -147,24 +147,32 @@ TEST(EnergyAudit, AnImpulseOfAnActionIsSeenFromTheCentreOfMass) {
 // Torques of springs and stops about an axis of a joint whose other rotations are free have a potential: they are along
 // the gradient of the angle.
 TEST(EnergyAudit, SpringsAndStopsAboutAnAxisKeepEnergyWhicheverRotationsAreFree) {
-  for (const char* mode : {"{kind: ball}", "{rows: []}", "{rows: [x, y, z, rot_x]}", "{rows: [x, y, z, rot_z]}",
-                           "{rows: [rot_y]}", "{kind: universal}"}) {
-    for (const char* element :
-         {"stops:\n  up: {joint: j, axis: rot_y, at_most: 0.05, stiffness: 20 N m/rad}\n  down: {joint: j, axis: "
-          "rot_y, "
-          "at_least: -0.05, stiffness: 20 N m/rad}\n",
-          "elements:\n  s: {type: joint_spring, joint: j, axis: rot_y, stiffness: 5 N m/rad}\n"}) {
-      const Audited run(std::string(R"(unlatch: 1
-name: swivel
-step: {dt: 1 ms, until: 1.5 s}
-bodies:
-  a: {mass: 10 kg, inertia: [1, 1.2, 1.5]}
-  b: {mass: 1 kg, inertia: [0.03, 0.18, 0.18], position: [1, 0, 0], rate: [1, 1.2, 1.7], velocity: [0, 0.85, -0.6]}
-joints:
-  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )") +
-                        mode + "}}\n" + element);
-      EXPECT_LT(run.get_part(), kBalances) << mode << '\n' << element;
-      EXPECT_NEAR(run.get_work(PowerSource::kMotors), 0, kExact) << mode;
+  struct Case {
+    std::string mode, rate, velocity;
+  };
+  const std::string stops =
+      "stops:\n  up: {joint: j, axis: rot_y, at_most: 0.05, stiffness: 20 N m/rad}\n"
+      "  down: {joint: j, axis: rot_y, at_least: -0.05, stiffness: 20 N m/rad}\n";
+  const std::string spring = "elements:\n  s: {type: joint_spring, joint: j, axis: rot_y, stiffness: 5 N m/rad}\n";
+  for (const Case& own : {Case{"kind: ball", "[1, 1.2, 1.7]", "[0, 0.85, -0.6]"},
+                          {"rows: []", "[1, 1.2, 1.7]", "[0, 0.85, -0.6]"},
+                          {"rows: [x, y, z, rot_x]", "[0, 1.2, 1.7]", "[0, 0.85, -0.6]"},
+                          {"rows: [x, y, z, rot_z]", "[1, 1.2, 0]", "[0, 0, -0.6]"},
+                          {"rows: [rot_y]", "[1, 0, 1.7]", "[0, 0.85, -0.6]"},
+                          {"kind: universal", "[1, 1.2, 0]", "[0, 0, -0.6]"}}) {
+    const std::string joint =
+        "joints:\n  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], "
+        "modes: {m: {" +
+        own.mode + "}}}\n";
+    const std::string bodies =
+        "unlatch: 1\nname: swivel\nstep: {dt: 1 ms, until: 1.5 s}\nbodies:\n"
+        "  a: {mass: 10 kg, inertia: [1, 1.2, 1.5]}\n"
+        "  b: {mass: 1 kg, inertia: [0.03, 0.18, 0.18], position: [1, 0, 0], rate: " +
+        own.rate + ", velocity: " + own.velocity + "}\n";
+    for (const std::string& element : {stops, spring}) {
+      const Audited run(bodies + joint + element);
+      EXPECT_LT(run.get_part(), kBalances) << own.mode << '\n' << element;
+      EXPECT_NEAR(run.get_work(PowerSource::kMotors), 0, kExact) << own.mode;
     }
   }
 }

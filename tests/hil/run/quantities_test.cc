@@ -157,13 +157,16 @@ TEST(QuantitiesOfScenarios, MistakesNameTheirPlaceAndWhatWouldBeRight) {
 
 // About each axis, whichever rotations a joint leaves free.
 TEST(QuantitiesOfScenarios, TheSpeedOfAJointIsTheRateOfItsAngle) {
-  for (const char* mode : {"{kind: free}", "{kind: ball}", "{rows: [x, y, z, rot_x]}", "{kind: universal}"}) {
+  for (const auto& [mode, motion] : {std::pair{"{kind: free}", "rate: [1, 1.2, 0.7], velocity: [0, 0.55, -0.5]"},
+                                     {"{kind: ball}", "rate: [1, 1.2, 0.7], velocity: [0, 0.55, -0.5]"},
+                                     {"{rows: [x, y, z, rot_x]}", "rate: [0.3, 1.2, 0.7], velocity: [0, 0.55, -0.5]"},
+                                     {"{kind: universal}", "rate: [1, 1.2, 0.4], velocity: [0, 0.4, -0.5]"}}) {
     std::string text = std::string(R"(unlatch: 1
 name: twist
 step: {dt: 1 ms, until: 1}
 bodies:
   a: {mass: 10, inertia: [1, 1.2, 1.5], rate: [0.3, -0.2, 0.4]}
-  b: {mass: 1, inertia: [0.03, 0.18, 0.2], position: [1, 0, 0], rate: [1, 1.2, 0.7]}
+  b: {mass: 1, inertia: [0.03, 0.18, 0.2], position: [1, 0, 0], )") + motion + R"(}
 joints:
   j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )") +
                        mode + "}}\nsensors:\n";
