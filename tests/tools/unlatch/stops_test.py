@@ -90,7 +90,7 @@ class StopsTest(ProcessTest):
 
     def test_replay_diff_report_and_export_end(self):
         log = self.folder / "long.log"
-        self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "1000", "--log", log)
+        self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "500", "--log", log)
         for number in SIGNALS:
             for more in (["replay", log], ["diff", log, log], ["report", log, "--out", self.folder / "r.html"],
                          ["export", log, "--format", "csv", "--out", self.folder / "e.csv"]):
