@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hil/scenario/text/utf8.h"
+#include "unlatch/model.h"
 
 namespace unlatch::bridge {
 namespace {
@@ -50,6 +51,20 @@ bool SessionLayout::hear(const hil::Message& message) {
   if (list[index].name.empty()) --missing_;
   list[index] = {clean(item.name), clean(item.unit)};
   return false;
+}
+
+bool SessionLayout::take_modes(const Model& model) {
+  const std::vector<LayoutItem>& joints = list(hil::CatalogKind::kJoint);
+  // A name that is too long for a message is there in part.
+  if (!std::ranges::equal(joints, model.joints, [](const LayoutItem& item, const Joint& joint) {
+        return !item.name.empty() && joint.name.starts_with(item.name);
+      }))
+    return false;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    modes_[i].clear();
+    for (const auto& mode : model.joints[i].modes) modes_[i].push_back(mode.name);
+  }
+  return true;
 }
 
 void SessionLayout::expect() {

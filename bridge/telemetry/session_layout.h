@@ -12,6 +12,10 @@
 
 #include "hil/session/messages/messages.h"
 
+namespace unlatch {
+struct Model;
+}
+
 namespace unlatch::bridge {
 
 struct LayoutItem {
@@ -20,8 +24,9 @@ struct LayoutItem {
 
 class SessionLayout {
  public:
-  // The names of a joint's modes, which no message has: from the scenario. A layout without them is complete.
-  void set_modes(std::size_t joint, std::vector<std::string> names) { modes_[joint] = std::move(names); }
+  // Takes the names of the joints' modes, which no message has, from the model of the session's scenario. False, and
+  // nothing is taken, if the session has other joints. A layout without the names is complete, too.
+  bool take_modes(const Model& model);
   [[nodiscard]] const std::vector<std::string>& get_modes(std::size_t joint) const {
     static const std::vector<std::string> kUnknown;
     const auto at = modes_.find(joint);

@@ -173,6 +173,17 @@ class TelemetryTest(ProcessTest):
         self.assertEqual(labels, {name: str(i) for i, name in enumerate(modes)})
         self.assertEqual({check.get_unit(name) for name, alias in check.aliases.items() if alias == "Command.value"}, {""})
 
+    def test_a_session_whose_scenario_is_given_is_described_with_names_of_modes(self):
+        self.run_ok(UNLATCH, "check", SCENARIO, "--xtce", self.folder / "check.xml")
+        for scenario, named in ((SCENARIO, True), (SOURCE / "hil/scenarios/boosters/scenario.yaml", False)):
+            telemetry = self.open_telemetry("--xtce", self.folder / "session.xml", "--scenario", scenario)
+            self.fly(until=0.2)
+            errors = self.finish(telemetry)
+            self.assertEqual((self.folder / "session.xml").read_bytes() == (self.folder / "check.xml").read_bytes(), named)
+            self.assertEqual("the session has other joints than" in errors, not named)
+        refused = self.run_ok(UNLATCH, "telemetry", "--transport", "udp", "--packets", "127.0.0.1:10099", "--scenario", SCENARIO, code=2)
+        self.assertIn("give that, too", refused.stderr)
+
     def test_addresses_rates_and_folders_that_cannot_be_are_refused_before_the_session(self):
         for option, value, reason in (("--live", "127.0.0.1", "write it like 127.0.0.1:10015"), ("--live", ":99999", "ports are 1 to 65535"), ("--packets", "127.0.0.1:0", "1 to 65535"),
                                       ("--packets-tcp", "nowhere:10015", "localhost:10015"), ("--rate", "nan", "no number from 0 on"), ("--rate", "-1", "no number from 0 on"), ("--rate", "1e999", "from 0 on")):

@@ -1,7 +1,7 @@
 // Reactions of redundant rows: shared by stiffness, against a dense pseudo-inverse and closed forms.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -90,8 +90,7 @@ std::vector<Six> calc_least(const Model& model, const DenseKkt& kkt, const std::
   }
   const Eigen::MatrixXd G = kkt.rows.cast<double>();
   const Eigen::MatrixXd weighted = G.transpose() * scale.asDiagonal();
-  const Eigen::VectorXd least =
-      scale.asDiagonal() * weighted.completeOrthogonalDecomposition().solve(G.transpose() * lambda);
+  const Eigen::VectorXd least = scale.asDiagonal() * solve_least_norm(weighted, G.transpose() * lambda);
   std::vector<Six> all(model.joints.size(), Six::Zero());
   for (Eigen::Index k = 0; k < rows; ++k) {
     const DenseKkt::RowName& name = kkt.names[static_cast<std::size_t>(k)];
@@ -248,7 +247,7 @@ TEST(RedundantReactions, OfAPlateOnFourPointsAreThoseOfThePseudoInverse) {
   }
   Simulation s(model);
   solve(s);
-  const Eigen::Vector4d expected = balance.completeOrthogonalDecomposition().solve(Eigen::Vector3d(300, 0, 0));
+  const Eigen::VectorXd expected = solve_least_norm(balance, Eigen::Vector3d(300, 0, 0));
   for (std::size_t k = 0; k < 4; ++k)
     EXPECT_NEAR(get_multiplier(s, k, kZ), expected[static_cast<Eigen::Index>(k)], kRounding * 300);
 }

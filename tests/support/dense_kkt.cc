@@ -118,16 +118,16 @@ void write_joint_row(const Model& model, const Joint& joint, RowSet set, int row
 class Solver {
  public:
   explicit Solver(const DenseKkt& kkt) : kkt_(kkt), A_(kkt.rows.rows(), kkt.rows.cols()) {
-    for (Index at = 0; at < kkt.mass.rows(); at += 6) L_.emplace_back(kkt.mass.block<6, 6>(at, at).llt().matrixL());
+    for (Index at = 0; at < kkt.mass.rows(); at += 6) L_.emplace_back(RealMatrix(kkt.mass.block(at, at, 6, 6)));
     if (A_.rows() == 0) return;  // Eigen accepts no empty blocks
-    for (Index at = 0; at < kkt.mass.rows(); at += 6)
-      A_.middleCols<6>(at) = L_[static_cast<std::size_t>(at / 6)]
-                                 .triangularView<Eigen::Lower>()
-                                 .solve(kkt.rows.middleCols<6>(at).transpose())
-                                 .transpose();
+    for (Index row = 0; row < A_.rows(); ++row) {
+      RealVector entries = kkt.rows.row(row).transpose();
+      for (std::size_t b = 0; b < L_.size(); ++b) solve_body(L_[b].matrixL(), b, entries);
+      A_.row(row) = entries.transpose();
+    }
     scale_ = A_.rowwise().norm().cwiseInverse();
     A_ = scale_.asDiagonal() * A_;
-    cod_.compute(A_.cast<double>());
+    cod_.compute(Eigen::MatrixXd(A_.cast<double>()));
   }
 
   DenseSolution solve(const RealVector& F, const RealVector& c, std::size_t joint_count) const {
@@ -142,19 +142,25 @@ class Solver {
   }
 
  private:
+  // With matrices of a size that the compiler does not know: unrolled for six rows, this took it as long as all else.
+  template <class Triangle>
+  static void solve_body(const Triangle& triangle, std::size_t body, RealVector& y) {
+    RealVector part = y.segment<6>(static_cast<Index>(6 * body));
+    triangle.solveInPlace(part);
+    y.segment<6>(static_cast<Index>(6 * body)) = part;
+  }
+
   void update(const RealVector& F, const RealVector& c, RealVector& a, RealVector& lambda) const {
     RealVector y = F;
-    for (std::size_t b = 0; b < L_.size(); ++b)
-      L_[b].triangularView<Eigen::Lower>().solveInPlace(y.segment<6>(static_cast<Index>(6 * b)));
+    for (std::size_t b = 0; b < L_.size(); ++b) solve_body(L_[b].matrixL(), b, y);
     if (c.size() > 0) {
-      const RealVector rest = scale_.cwiseProduct(c) - A_ * y;
-      const Eigen::VectorXd z = cod_.solve(rest.cast<double>());
+      const RealVector missing = scale_.cwiseProduct(c) - A_ * y;
+      const Eigen::VectorXd rest = missing.cast<double>(), z = cod_.solve(rest);
       const Eigen::VectorXd mu = cod_.transpose().solve(z);
       y += z.cast<Real>();
       lambda += scale_.cwiseProduct(mu.cast<Real>());
     }
-    for (std::size_t b = 0; b < L_.size(); ++b)
-      L_[b].transpose().triangularView<Eigen::Upper>().solveInPlace(y.segment<6>(static_cast<Index>(6 * b)));
+    for (std::size_t b = 0; b < L_.size(); ++b) solve_body(L_[b].matrixU(), b, y);
     a += y;
   }
 
@@ -180,7 +186,7 @@ class Solver {
   }
 
   const DenseKkt& kkt_;
-  std::vector<Eigen::Matrix<Real, 6, 6>> L_;
+  std::vector<Eigen::LLT<RealMatrix>> L_;
   RealMatrix A_;
   RealVector scale_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod_;

@@ -55,7 +55,10 @@ MatrixXd build_jacobian(const SpringChain& chain) {
   return A;
 }
 
-VectorXd calc_exact(const SpringChain& chain, double t) { return (t * build_jacobian(chain)).exp() * get_start(chain); }
+VectorXd calc_exact(const SpringChain& chain, double t) {
+  const MatrixXd A = t * build_jacobian(chain), grown = A.exp();
+  return grown * get_start(chain);
+}
 
 VectorXd run_ros2(const SpringChain& chain, double h, int steps) {
   const MatrixXd A = build_jacobian(chain);

@@ -19,6 +19,10 @@ Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::
   return matrix.colPivHouseholderQr().solve(right);
 }
 
+Eigen::VectorXd solve_least_norm(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(matrix).solve(right);
+}
+
 Eigen::VectorXd calc_singular_values(const Eigen::MatrixXd& matrix) {
   return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues();
 }

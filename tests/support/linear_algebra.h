@@ -19,6 +19,9 @@ SymmetricEigen calc_symmetric_eigen(const Eigen::MatrixXd& matrix);
 Eigen::VectorXd solve_full_pivots(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 
+// The least of all solutions x of matrix · x = right, or of those with the least residual.
+Eigen::VectorXd solve_least_norm(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
+
 // Singular values, descending.
 Eigen::VectorXd calc_singular_values(const Eigen::MatrixXd& matrix);
 

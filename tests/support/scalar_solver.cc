@@ -141,8 +141,9 @@ class Tree {
       } else {
         body.inverse = calc_inverse(body.A);
         if (body.W.cols() > 0) {
-          body.row_inverse = calc_inverse(body.W.transpose() * body.inverse * body.W);
-          passed = body.W * body.row_inverse * body.W.transpose();
+          body.row_inverse =
+              calc_inverse(Eigen::MatrixXd(body.W.transpose().lazyProduct(body.inverse)).lazyProduct(body.W));
+          passed = Rows(body.W.lazyProduct(body.row_inverse)).lazyProduct(body.W.transpose());
         }
       }
       if (body.parent != kNone) bodies_[at(body.parent)].A += body.X.transpose() * passed * body.X;

@@ -1,14 +1,15 @@
 #include "hil/run/linear/loop_margins.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
+#include "hil/run/linear/matrices.h"
 #include "hil/scenario/text/number_text.h"
 #include "hil/scenario/text/suggestion.h"
 
@@ -53,11 +54,10 @@ Index count_reached(Plant& plant) {
   MatrixXd both = MatrixXd::Zero(n + 1, n + 1);
   both.bottomLeftCorner(n, 1) = plant.b;
   both.bottomRightCorner(n, n) = plant.A;
-  const Eigen::HessenbergDecomposition<MatrixXd> reduced(both);
-  const MatrixXd H = reduced.matrixH(), Q = reduced.matrixQ();
+  const auto [H, Q] = calc_hessenberg(both);
   plant.A = H.bottomRightCorner(n, n);
   plant.b = H.bottomLeftCorner(n, 1);
-  plant.k = (plant.k * Q.bottomRightCorner(n, n)).eval();
+  plant.k = multiply_real(plant.k, Q.bottomRightCorner(n, n));
   const double size = std::max(plant.A.norm() / std::sqrt(static_cast<double>(n)), plant.b.norm());
   Index reached = plant.b.norm() > 0 ? 1 : 0;
   while (reached > 0 && reached < n && std::abs(plant.A(reached, reached - 1)) > kLeastCoupling * size) ++reached;
@@ -88,7 +88,7 @@ MatrixXd hold(const Plant& plant, double time) {
   const MatrixXd grown = both.exp();
   MatrixXd right(n, n + 1);
   right << plant.A, plant.b;
-  return grown.topRightCorner(n, n) * right;
+  return multiply_real(grown.topRightCorner(n, n), right);
 }
 
 // One way of the command to the outputs, with its delay.
@@ -117,14 +117,14 @@ class OpenLoop {
       paths.push_back({newer, {rest == 0 ? plant.direct : 0, whole * period}});
       if (rest > 0) paths.push_back({held.rightCols(1) - newer, {plant.direct, (whole + 1) * period}});
     }
-    const Eigen::ComplexSchur<MatrixXcd> schur(A.cast<Complex>());
-    T_ = schur.matrixT();
-    k_ = plant.k.cast<Complex>() * schur.matrixU();
+    const SchurForm schur = calc_schur(A.cast<Complex>());
+    T_ = schur.T;
+    k_ = multiply(plant.k.cast<Complex>(), schur.U);
     double at_once = 0;
     VectorXd b_at_once = VectorXd::Zero(A.rows());
     for (const auto& [b, rest] : paths) {
       if (!b.allFinite()) break;
-      paths_.push_back({schur.matrixU().adjoint() * b.cast<Complex>(), rest.first, rest.second});
+      paths_.push_back({multiply(schur.U.adjoint(), b.cast<Complex>()), rest.first, rest.second});
       at_once += rest.first;
       b_at_once += b;
     }
@@ -133,7 +133,7 @@ class OpenLoop {
                                " s the plant grows beyond all numbers; take a shorter one");
     // Frequencies of the closed loop as if its delay were 0: where the resolution has to begin and to end.
     const MatrixXd closed = A - b_at_once * plant.k / (std::abs(1 + at_once) > 1e-6 ? 1 + at_once : 1);
-    const VectorXcd closed_poles = closed.eigenvalues();
+    const VectorXcd closed_poles = calc_schur(closed.cast<Complex>()).T.diagonal();
     for (Index i = 0; i < T_.rows(); ++i) {
       sizes_.push_back(std::abs(T_(i, i)));
       sizes_.push_back(std::abs(closed_poles[i]));

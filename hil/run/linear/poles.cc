@@ -1,10 +1,12 @@
 #include "hil/run/linear/poles.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <utility>
+
+#include "hil/run/linear/matrices.h"
 
 namespace unlatch::hil {
 namespace {
@@ -47,8 +49,7 @@ std::vector<Pole> calc_poles(const MatrixXd& A, const MatrixXd& A_error) {
   const double rate = choose_rate(A);
   const MatrixXd scaled = scale_time(A, rate);
   const MatrixXd errors = (scale_time(A_error, rate).array() + kRounding * scaled.norm()).matrix();
-  const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(scaled.cast<Complex>());
-  const Eigen::MatrixXcd &T = schur.matrixT(), &U = schur.matrixU();
+  const auto [T, U] = calc_schur(scaled.cast<Complex>());
   const double least = std::numeric_limits<double>::epsilon() * scaled.norm();
 
   std::vector<Pole> poles;
@@ -63,9 +64,9 @@ std::vector<Pole> calc_poles(const MatrixXd& A, const MatrixXd& A_error) {
     left[0] = 1;
     for (Index j = k + 1; j < n; ++j)
       left[j - k] = (left.head(j - k) * T.col(j).segment(k, j - k))(0) / keep_from_zero(pole - T(j, j), least);
-    const Eigen::VectorXd v = (U.leftCols(k + 1) * right).cwiseAbs();
-    const Eigen::RowVectorXd w = (left * U.rightCols(n - k).adjoint()).cwiseAbs();
-    const double error = kSafety * (w * errors * v)(0);
+    const MatrixXd v = multiply(U.leftCols(k + 1), right).cwiseAbs();
+    const MatrixXd w = multiply(left, U.rightCols(n - k).adjoint()).cwiseAbs();
+    const double error = kSafety * multiply_real(multiply_real(w, errors), v)(0, 0);
     const bool real = std::abs(pole.imag()) <= std::min(error, kReal * std::abs(pole));
     poles.push_back({(real ? pole.real() : pole) * rate, error * rate});
   }

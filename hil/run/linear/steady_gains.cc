@@ -1,12 +1,14 @@
 #include "hil/run/linear/steady_gains.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Jacobi>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
+#include "hil/run/linear/matrices.h"
 #include "hil/run/linear/poles.h"
 
 namespace unlatch::hil {
@@ -24,9 +26,9 @@ struct OrderedSchur {
 };
 
 OrderedSchur::OrderedSchur(const Eigen::MatrixXd& A, const std::vector<std::complex<double>>& first) {
-  const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(A.cast<std::complex<double>>());
-  T = schur.matrixT();
-  U = schur.matrixU();
+  SchurForm schur = calc_schur(A.cast<std::complex<double>>());
+  T = std::move(schur.T);
+  U = std::move(schur.U);
   for (Eigen::Index place = 0; place < std::ssize(first); ++place) {
     const std::complex<double> wanted = first[static_cast<std::size_t>(place)];
     Eigen::Index nearest = place;
@@ -52,10 +54,10 @@ Eigen::MatrixXcd solve_sylvester(const Eigen::MatrixXcd& T, Eigen::Index first) 
   Eigen::MatrixXcd X(first, others);
   for (Eigen::Index k = 0; k < others; ++k) {
     const auto T22 = T.bottomRightCorner(others, others);
-    Eigen::VectorXcd right = X.leftCols(k) * T22.col(k).head(k) - T.topRightCorner(first, others).col(k);
+    const Eigen::MatrixXcd right = multiply(X.leftCols(k), T22.col(k).head(k)) - T.topRightCorner(first, others).col(k);
     Eigen::MatrixXcd shifted = T.topLeftCorner(first, first);
     shifted.diagonal().array() -= T22(k, k);
-    X.col(k) = shifted.triangularView<Eigen::Upper>().solve(right);
+    X.col(k) = solve_upper(shifted, right);
   }
   return X;
 }
@@ -92,18 +94,19 @@ SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::c
   const OrderedSchur schur(scaled.A, first);
   const Eigen::MatrixXcd X = solve_sylvester(schur.T, at_zero);
   const Eigen::MatrixXcd V1 = schur.U.leftCols(at_zero), W2 = schur.U.rightCols(others).adjoint();
-  const Eigen::MatrixXcd V2 = V1 * X + schur.U.rightCols(others), W1 = V1.adjoint() - X * W2;
+  const Eigen::MatrixXcd V2 = multiply(V1, X) + schur.U.rightCols(others), W1 = V1.adjoint() - multiply(X, W2);
 
   // Which entries the motions of the poles at 0 carry away.
-  const Eigen::MatrixXcd outputs_1 = scaled.C * V1;
-  Eigen::MatrixXcd inputs_1 = W1 * scaled.B;
+  const Eigen::MatrixXcd B = scaled.B.cast<std::complex<double>>(), C = scaled.C.cast<std::complex<double>>();
+  const Eigen::MatrixXcd outputs_1 = multiply(C, V1);
+  Eigen::MatrixXcd inputs_1 = multiply(W1, B);
   // Its diagonal is rounding, but the square root of that of A: without it, N would not be nilpotent to A's.
   const Eigen::MatrixXcd N = schur.T.topLeftCorner(at_zero, at_zero);
   const double turned = static_cast<double>(n) * (kSchurRounding + scaled.A_error.norm()) * std::max(1.0, W1.norm());
   std::vector<std::pair<Eigen::Index, Eigen::Index>> endless;
   double power = 1;
-  for (Eigen::Index k = 0; k < at_zero; ++k, inputs_1 = (N * inputs_1).eval(), power *= N.norm()) {
-    const Eigen::MatrixXcd moved = outputs_1 * inputs_1;
+  for (Eigen::Index k = 0; k < at_zero; ++k, inputs_1 = multiply(N, inputs_1), power *= N.norm()) {
+    const Eigen::MatrixXcd moved = multiply(outputs_1, inputs_1);
     for (Eigen::Index row = 0; row < moved.rows(); ++row)
       for (Eigen::Index column = 0; column < moved.cols(); ++column) {
         const double output = scaled.C.row(row).norm(), input = scaled.B.col(column).norm();
@@ -116,17 +119,21 @@ SteadyGains calc_steady_gains(const LinearModel& model, const std::vector<std::c
 
   if (others > 0) {
     // −A⁻¹ B and −C A⁻¹ of the others, twice, and the parts of both that are of the poles at 0.
-    const auto T = schur.T.bottomRightCorner(others, others).triangularView<Eigen::Upper>();
-    const Eigen::MatrixXcd inputs_2 = W2 * scaled.B, outputs_2 = scaled.C * V2;
-    const Eigen::MatrixXcd once = T.solve(inputs_2), twice = T.solve(once);
-    const Eigen::MatrixXcd dual = T.adjoint().solve(outputs_2.adjoint()).adjoint(),
-                           dual_twice = T.adjoint().solve(dual.adjoint()).adjoint();
-    const Eigen::MatrixXd states = (V2 * once).cwiseAbs(), duals = (dual * W2).cwiseAbs();
-    gains.values -= (outputs_2 * once).real();
-    gains.errors += kSchurRounding * scaled.C.rowwise().norm() * once.colwise().norm() + scaled.C_error * states +
-                    duals * (scaled.A_error * states + scaled.B_error) +
-                    (outputs_1 * W1).cwiseAbs() * scaled.A_error * (V2 * twice).cwiseAbs() +
-                    (dual_twice * W2).cwiseAbs() * scaled.A_error * (V1 * (W1 * scaled.B)).cwiseAbs();
+    const Eigen::MatrixXcd T = schur.T.bottomRightCorner(others, others);
+    const Eigen::MatrixXcd inputs_2 = multiply(W2, B), outputs_2 = multiply(C, V2);
+    const Eigen::MatrixXcd once = solve_upper(T, inputs_2), twice = solve_upper(T, once);
+    const Eigen::MatrixXcd dual = solve_upper_adjoint(T, outputs_2.adjoint()),
+                           dual_twice = solve_upper_adjoint(T, dual);  // adjoint, a column for each output
+    const Eigen::MatrixXd states = multiply(V2, once).cwiseAbs(), duals = multiply(dual.adjoint(), W2).cwiseAbs();
+    const Eigen::MatrixXd inputs_twice = multiply(V2, twice).cwiseAbs(),
+                          outputs_twice = multiply(dual_twice.adjoint(), W2).cwiseAbs(),
+                          kept = multiply(V1, multiply(W1, B)).cwiseAbs(), seen = multiply(outputs_1, W1).cwiseAbs();
+    gains.values -= multiply(outputs_2, once).real();
+    gains.errors += kSchurRounding * multiply_real(scaled.C.rowwise().norm(), once.colwise().norm());
+    gains.errors += multiply_real(scaled.C_error, states);
+    gains.errors += multiply_real(duals, multiply_real(scaled.A_error, states) + scaled.B_error);
+    gains.errors += multiply_real(multiply_real(seen, scaled.A_error), inputs_twice);
+    gains.errors += multiply_real(multiply_real(outputs_twice, scaled.A_error), kept);
   }
   for (const auto& [row, column] : endless)
     gains.values(row, column) = gains.errors(row, column) = std::numeric_limits<double>::infinity();

@@ -602,7 +602,7 @@ objectives: [{minimise: a^2 + 4*b^2}]
         return result
 
     def test_ctrl_c_during_the_verification_says_that_it_is_not_finished_and_resume_finishes_it(self):
-        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 100 ms, until: 1 s", "dt: 1 ms, until: 1000 s"))
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 100 ms, until: 1 s", "dt: 1 ms, until: 300 s"))
         text = CATALOGUE.replace("[0 N, 1 N, 2 N, 3 N]", "[1 N, 2 N]") + "budget: {runs: 4}\n"
         self.assertNotIn("hash", self.interrupt_verification(text)["verification"])
         ask = self.look_at("o")

@@ -74,7 +74,7 @@ class StopsTest(ProcessTest):
         scenario = self.write_chaos()
         for number in SIGNALS:
             result = self.folder / f"{number}.json"
-            self.stop(number, UNLATCH, "run", scenario, "--until", "2000", "--accuracy", "--json", result, after=4.0)
+            self.stop(number, UNLATCH, "run", scenario, "--until", "400", "--accuracy", "--json", result, after=2.0)  # a fifth is the flight itself
             self.assertTrue(result.read_text())
 
     def test_accuracy_ends_by_itself_where_no_step_meets_the_tolerance(self):
@@ -90,7 +90,7 @@ class StopsTest(ProcessTest):
 
     def test_replay_diff_report_and_export_end(self):
         log = self.folder / "long.log"
-        self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "1000", "--log", log)
+        self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "500", "--log", log)
         for number in SIGNALS:
             for more in (["replay", log], ["diff", log, log], ["report", log, "--out", self.folder / "r.html"],
                          ["export", log, "--format", "csv", "--out", self.folder / "e.csv"]):

@@ -141,12 +141,14 @@ export class Plots {
 
   // Curves of both runs, those of B dashed, in the unit that suits their size.
   buildCurves(card) {
-    const curves = this.runs.flatMap((run, r) => card.choice.build(run).map((curve) => ({ ...curve, run, second: r > 0 })));
+    const built = new Map();  // by choice, for each run
+    const build = (choice) => built.get(choice) ?? built.set(choice, this.runs.map((run) => choice.build(run))).get(choice);
+    const curves = build(card.choice).flatMap((own, r) => own.map((curve) => ({ ...curve, run: this.runs[r], second: r > 0 })));
     const largest = calcLargest(curves);
     card.size ??= new Map();  // of the quantity, by unit: of all components together
     if (!card.size.has(card.choice.unit)) {
       const alike = card.group.choices.filter((choice) => choice.unit === card.choice.unit);
-      card.size.set(card.choice.unit, calcLargest(alike.flatMap((choice) => this.runs.flatMap((run) => choice.build(run)))));
+      card.size.set(card.choice.unit, calcLargest(alike.flatMap((choice) => build(choice).flat())));
     }
     const floor = Math.max(NOISE * card.size.get(card.choice.unit), SMALLEST[card.choice.unit] ?? 1e-9);
     const [, scale, unit] = (GREAT[card.choice.unit] ?? []).find(([least]) => largest >= least) ?? [0, 1, card.choice.unit];

@@ -266,11 +266,7 @@ std::string describe_packets(const hil::Scenario& scenario, const hil::Simulatio
   bridge::SessionLayout layout;
   layout.hear(hil::build_hello(simulation, scenario.name, options, catalog));
   for (const hil::CatalogMessage& item : catalog) layout.hear(item);
-  for (std::size_t i = 0; i < scenario.model.joints.size(); ++i) {
-    std::vector<std::string> names;
-    for (const auto& mode : scenario.model.joints[i].modes) names.push_back(mode.name);
-    layout.set_modes(i, std::move(names));
-  }
+  layout.take_modes(scenario.model);
   return bridge::write_xtce(layout);
 }
 

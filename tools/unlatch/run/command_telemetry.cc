@@ -5,10 +5,12 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bridge/telemetry/telemetry.h"
 #include "bridge/telemetry/xtce.h"
 #include "hil/scenario/base/module.h"
+#include "hil/scenario/scenario.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/program/exit_codes.h"
@@ -28,7 +30,7 @@ constexpr auto kTelemetryLinger = 500ms;  // after a session's last State, for w
 struct Options {
   TransportOptions transport;
   bridge::TelemetryOptions telemetry;
-  std::string xtce, json;
+  std::string xtce, scenario, json;
   double seconds = 0;  // 0: until it is interrupted
   bool until_end = false;
 };
@@ -90,6 +92,8 @@ int run(const Options& options) {
   const std::atomic<bool>& stop = catch_interrupts();
   check_output(options.json);
   check_output(options.xtce);
+  std::optional<hil::Scenario> scenario;
+  if (!options.scenario.empty()) scenario = hil::load_scenario(options.scenario);
   const std::unique_ptr<bridge::Telemetry> telemetry = open(options.telemetry);
   const auto port = open_port(options.transport, bridge::Role::kObserver);
   std::int64_t session = 0;
@@ -97,7 +101,12 @@ int run(const Options& options) {
     session = layout.get_session();
     std::fprintf(stderr, "unlatch telemetry: session of '%s'\n", layout.get_scenario().c_str());
     if (options.xtce.empty()) return;
-    write_text(bridge::write_xtce(layout), options.xtce);
+    bridge::SessionLayout named = layout;
+    if (scenario && !named.take_modes(scenario->model))
+      std::fprintf(stderr,
+                   "unlatch telemetry: the session has other joints than %s, so modes have their numbers alone in %s\n",
+                   options.scenario.c_str(), options.xtce.c_str());
+    write_text(bridge::write_xtce(named), options.xtce);
     std::fprintf(stderr, "unlatch telemetry: its packets are described in %s\n", options.xtce.c_str());
   };
   std::fprintf(stderr, "unlatch telemetry: waits for a session on %s\n", options.transport.name.c_str());
@@ -153,6 +162,10 @@ void add_telemetry(Command app, int& exit_code) {
       .type_name("ADDRESS:PORT")
       .check(check_address);
   command.add_option("--xtce", options->xtce, "XTCE description of the session's packets to write").type_name("FILE");
+  command
+      .add_option("--scenario", options->scenario,
+                  "the session's scenario, for --xtce: modes of joints have their names, which no message has")
+      .type_name("SCENARIO");
   command.add_option("--live", options->telemetry.live, "Foxglove WebSocket at this address; at most 8 clients")
       .type_name("ADDRESS:PORT")
       .check(check_address);
@@ -174,6 +187,8 @@ void add_telemetry(Command app, int& exit_code) {
     const bridge::TelemetryOptions& to = options->telemetry;
     if (to.udp.empty() && to.tcp.empty() && to.live.empty() && options->xtce.empty())
       refuse_option("--packets", "nothing to write to: give --packets, --packets-tcp, --live or --xtce");
+    if (!options->scenario.empty() && options->xtce.empty())
+      refuse_option("--scenario", "it gives modes their names in the file of --xtce: give that, too");
   });
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
