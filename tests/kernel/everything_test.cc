@@ -16,7 +16,6 @@
 #include "kernel/dynamics/varying.h"
 #include "kernel/elements/compliance.h"
 #include "kernel/elements/kinds/load.h"
-#include "kernel/model/from_eigen.h"
 #include "kernel/solver/loops/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
@@ -212,12 +211,18 @@ RealVector calc_twist_gradient(const Model& placed, const SystemState& state, co
     if (body == kGround) return Eigen::Matrix3d::Identity();
     return state.bodies[static_cast<std::size_t>(body)].q_WB.toRotationMatrix();
   };
-  const RotationFrame frame = get_rotation_frame(placed, joint);
-  const Eigen::Matrix3d base = get_attitude(joint.base), follower = get_attitude(joint.follower);
-  const Eigen::Quaterniond q((base * frame.base).transpose() * (follower * frame.follower));
+  const auto get_first_attitude = [&](int body) -> Eigen::Matrix3d {
+    if (body == kGround) return Eigen::Matrix3d::Identity();
+    return placed.bodies[static_cast<std::size_t>(body)].q_WB.toRotationMatrix();
+  };
+  const Eigen::Matrix3d base = get_attitude(joint.base), follower = get_attitude(joint.follower),
+                        axes = joint.rotation_axes.value_or(joint.axes),
+                        carried = joint.follower_axes.value_or(get_first_attitude(joint.follower).transpose() *
+                                                               get_first_attitude(joint.base) * axes);
+  const Eigen::Quaterniond q((base * axes).transpose() * (follower * carried));
   const Eigen::Vector3d v = q.vec(), e = Eigen::Vector3d::Unit(k);
   const double w = q.w();
-  const Eigen::Vector3d gradient = base * frame.base * (w * w * e + w * v.cross(e) + v[k] * v) / (w * w + v[k] * v[k]);
+  const Eigen::Vector3d gradient = base * axes * (w * w * e + w * v.cross(e) + v[k] * v) / (w * w + v[k] * v[k]);
   RealVector out = RealVector::Zero(size);
   out.segment(6 * joint.follower + 3, 3) += (follower.transpose() * gradient).cast<Real>();
   if (joint.base != kGround) out.segment(6 * joint.base + 3, 3) -= (base.transpose() * gradient).cast<Real>();
