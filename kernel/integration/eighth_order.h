@@ -20,6 +20,7 @@ class EighthOrderStages {
  public:
   static constexpr int kCount = 11;
   static constexpr int kMiddle = 8;  // the last stage in the middle of the sub-step
+  static constexpr int kTimes = 7;   // of stages after the first whose time is not that of the one before
   // Time of a stage after the beginning, in h.
   static double get_time(int stage) noexcept;
   // The stage has the time of the one before it.
