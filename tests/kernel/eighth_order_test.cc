@@ -117,7 +117,7 @@ TEST(EighthOrder, ABlowTakesFewPartsAndPartsWithItsRestitution) {
       ++steps;
     }
     ASSERT_TRUE(closed);
-    EXPECT_LE(substeps, 4 * steps + 8) << restitution;
+    EXPECT_LE(substeps, 5 * steps + 8) << restitution;
     EXPECT_NEAR(s.state.bodies[0].v.z, restitution * kSpeed, 1e-6 * kSpeed);
   }
 }

@@ -26,7 +26,7 @@ constexpr double kImplicitVibration = 1e-5, kImplicitChange = 0.25;
 constexpr int kImplicitCost = 2, kEighthCost = 2;
 
 // Largest part of order eight of a blow, in 1 / rate. It errs by a part of (ω h)⁸ of the vibration.
-constexpr double kEighthBlow = 0.6;
+constexpr double kEighthBlow = 0.3;
 
 // Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay at the least slip of the part; and the
 // parts per second that it needs, explicit ones, those of order eight and implicit ones.
