@@ -12,7 +12,7 @@ set(UNLATCH_STEPPING_SOURCES
   geometry/penetration.cc geometry/strips.cc geometry/wall.cc
   images/check_blocks.cc images/check_elements.cc images/check_events.cc images/check_laws.cc images/check_loops.cc
   images/open_plan.cc images/plan_check.cc
-  integration/contact_stages.cc integration/integrator.cc integration/load_state.cc integration/rigid_rows.cc integration/run.cc
+  integration/contact_stages.cc integration/eighth_order.cc integration/integrator.cc integration/load_state.cc integration/rigid_rows.cc integration/run.cc
   joints/coordinates.cc joints/kinematics.cc joints/residuals.cc
   laws/laws.cc laws/tables.cc
   math/elementary.cc

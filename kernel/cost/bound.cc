@@ -7,7 +7,7 @@
 #include "kernel/cost/step_counts.h"
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/events/limits.h"
-#include "kernel/integration/contact_stages.h"
+#include "kernel/integration/eighth_order.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/plan/plan_data.h"
 #include "unlatch/model/contact_substeps.h"
@@ -44,7 +44,13 @@ struct Features {
   double sweeps;        // solutions with friction, beside the first
   double rigid_rows;    // of rigid contacts, at most
   double contact_rows;  // of parts that are implicit in the forces of contacts; 0: there are none
+  double eighth_moves;  // instructions by which parts of order eight move all bodies; 0: there are none
 };
+
+// Instructions of EighthOrderStages for a body and for an auxiliary state, on any target: forty-four weights that are
+// not zero, each for 13 numbers of a body, with five instructions for each, and 4000 to read and write them and the
+// rates of eleven stages. On x86-64 they were a third of that.
+constexpr double kEighthOfBody = 44 * 13 * 5 + 4000, kEighthOfAuxiliary = 44 * 5 + 300;
 
 // Some integration may be ROS2: kernel/elements/compliance.h.
 bool may_be_stiff(const PlanData& plan) {
@@ -65,7 +71,11 @@ Features get_features(const PlanData& plan, const cost::Work& driven) {
           .time_corners = plan.time_corners,
           .sweeps = plan.frictions.empty() ? 0.0 : kFrictionSweeps,
           .rigid_rows = driven[cost::Unit::kRigidRows],
-          .contact_rows = driven[cost::Unit::kContactRows]};
+          .contact_rows = driven[cost::Unit::kContactRows],
+          .eighth_moves = may_be_implicit(plan)
+                              ? kEighthOfBody * static_cast<double>(plan.bodies.size()) +
+                                    kEighthOfAuxiliary * static_cast<double>(plan.initial_auxiliary.size())
+                              : 0};
 }
 
 enum class Place { kStage, kEnd };
@@ -80,6 +90,7 @@ class RowCost {
     row_.bodies += calls * (costs_[of_tree] + (features_.loops ? costs_[Primitive::kLoopJoints] : 0));
   }
   void add_bodies(Primitive primitive, double calls = 1) { row_.bodies += calls * costs_[primitive]; }
+  void add_moves(double instructions) { row_.bodies += instructions; }
   void add_loads(double calls) { row_.forces += calls * costs_[Primitive::kLoads]; }
   void add_other_laws() { row_.forces += features_.laws ? costs_[Primitive::kOtherLaws] : 0; }
   // Forces and accelerations at one instant: integrator.cc, solve_dynamics(). Stages find no multipliers, and so split
@@ -192,15 +203,18 @@ class Rows {
     row.add(Primitive::kGuards);
     return row.repeat("evaluation at the beginning", 1);
   }
-  // RK4. ROS2 has two stages; ROS34PW2 has one more time of loads, and moves bodies itself.
+  // RK4. ROS2 has two stages; ROS34PW2 has one more time of loads, and moves bodies itself. Where parts may be of order
+  // eight, all of them count as such.
   CostRow calc_stages() const {
     RowCost row = begin();
     row.add(Primitive::kIntegrate);
-    const bool implicit = features_.contact_rows > 0;
-    row.add_bodies(Primitive::kKinematics, (features_.rigid ? 0 : 3) + (implicit ? ContactStages::kCount : 0));
-    row.add_loads(implicit ? 3 : 2);
-    row.add_joints(Primitive::kJoints, 3);
-    row.add_dynamics(3, Place::kStage);
+    const bool eighth = features_.eighth_moves > 0;
+    const int stages = eighth ? EighthOrderStages::kCount - 1 : 3;
+    row.add_bodies(Primitive::kKinematics, (features_.rigid ? 0 : 3) + (eighth ? EighthOrderStages::kCount : 0));
+    row.add_moves(features_.eighth_moves);
+    row.add_loads(eighth ? EighthOrderStages::kTimes : 2);
+    row.add_joints(Primitive::kJoints, stages);
+    row.add_dynamics(stages, Place::kStage);
     const double explicitly =
         costs_[Primitive::kFirstStage] + 2 * costs_[Primitive::kStage] + costs_[Primitive::kLastStage];
     const double implicitly = 3 * costs_[Primitive::kImplicitStage];

@@ -76,4 +76,17 @@ inline double calc_peak(const Flank& left, const Flank& right) {
   return left.time + h * (s > kInner ? (s < 1 - kInner ? s : 1 - kInner) : kInner);
 }
 
+// Likewise of a line from one flank on that goes over into a parabola which ends at the other: beside a corner of the
+// curvature, as where a shape passes the rounded end of another, the cubic stays near the flank of the line. Of the two
+// such curves one has its corner within the interval.
+inline double calc_bent_peak(const Flank& left, const Flank& right) {
+  const double h = right.time - left.time, bend = left.rate - right.rate;     // bend > 0
+  const double bent = 2 * (left.value + left.rate * h - right.value) / bend;  // length of a parabola that ends at right
+  const double other = 2 * h - bent;                                          // of one that ends at left
+  const double part = left.rate / bend;                                       // of the parabola, up to its peak
+  const double peak = bent <= h ? (h - bent) + bent * part : other * part;
+  constexpr double kInner = 1.0 / 16;
+  return left.time + std::fmin(std::fmax(peak, kInner * h), (1 - kInner) * h);
+}
+
 }  // namespace unlatch

@@ -182,15 +182,19 @@ void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& rig
 // of `right` if there is none, or kFailed. The evaluation is of the latest try. `looks`: the number of tries that are
 // left.
 //
+// The first try is at the greatest value of the cubic; later ones are beside a corner, or so near that it does not
+// matter.
 [[gnu::noinline]] double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right,
                                     int& looks) {
   const double end = right.time;
+  bool first = true;
   for (; looks > 0 && may_peak(left, right); --looks) {
-    const double x = calc_peak(left, right);
+    const double x = first ? calc_peak(left, right) : calc_bent_peak(left, right);
     if (!try_substep(run, start, start.t + x)) return kFailed;
     const Flank peak = get_flank(run, pair, x, run.ev().guards, run.ev().pair_rates);
     if (peak.value >= 0) return x;
     (peak.rate > 0 ? left : right) = peak;
+    first = false;
   }
   if (may_peak(left, right)) note_unseen(run, pair, left, right);
   return end;

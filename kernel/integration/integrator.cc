@@ -9,6 +9,7 @@
 #include "kernel/elements/compliance.h"
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/elements/kinds/load.h"
+#include "kernel/integration/eighth_order.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/integration/rigid_rows.h"
 #include "kernel/joints/coordinates.h"
@@ -216,6 +217,24 @@ int integrate_contacts(const Instant& now, const SubstepStart& start, double end
   return project({plan, now.inputs, now.state, end}, start, ev);
 }
 
+// See kernel/integration/eighth_order.h.
+int integrate_eighth_order(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  const double h = end - start.t;
+  EighthOrderStages stages(plan, h, ev);
+  stages.begin();
+  for (int i = 1; i < EighthOrderStages::kCount; ++i) {
+    const bool last = i + 1 == EighthOrderStages::kCount;
+    const double t = last ? end : start.t + h * EighthOrderStages::get_time(i);
+    const Instant stage{plan, now.inputs, now.state, t, {}, Branches::kHold};
+    const Loads loads = EighthOrderStages::has_time_of_last(i) ? Loads::kKeep : Loads::kUpdate;
+    if (const int node = evaluate_stage(stage, loads, start, ev); node != kNone) return node;
+    if (i == EighthOrderStages::kMiddle && plan.place_corners) keep_middle_places(ev);
+    stages.finish(i);
+  }
+  return project({plan, now.inputs, now.state, end}, start, ev);
+}
+
 // Only forces have changed: the factor is used again.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
@@ -290,6 +309,7 @@ SubstepStart begin_substep(const Instant& now, Contacts contacts, Evaluation& ev
   std::copy_n(ev.branches.begin(), ev.branches.size(), ev.branches_at_start.begin());
   SubstepStart start;  // most of its rows are never used
   start.t = now.t;
+  start.method = contacts;
   start.independent_rows = ev.loop_count - ev.loop_redundant;
   start.rigid_rows = has_rigid_rows(plan) ? get_independent_rigid_rows(ev) : RigidSet{0};
   if (contacts == Contacts::kImplicit) begin_contact_rows(now, ev, start.contacts);
@@ -301,6 +321,7 @@ int integrate(const Instant& now, const SubstepStart& start, double end, Evaluat
   std::copy_n(ev.branches_at_start.begin(), ev.branches.size(), ev.branches.begin());
   if (is_stiff(now.plan, now.state, start.t + 0.5 * h)) return integrate_implicitly(now, start, end, ev);
   if (start.contacts.count > 0) return integrate_contacts(now, start, end, ev);
+  if (start.method == Contacts::kEighthOrder) return integrate_eighth_order(now, start, end, ev);
   const Instant middle{now.plan, now.inputs, now.state, start.t + 0.5 * h, {}, Branches::kHold};
   const Instant last{now.plan, now.inputs, now.state, end, {}, Branches::kHold};
   return integrate_explicitly(middle, last, start, ev);

@@ -1,7 +1,7 @@
 // One sub-step without events: the classical Runge–Kutta method of order four, ROS2 where an implicit element is on
-// (kernel/elements/compliance.h), or ROS34PW2 where contacts are (contact_stages.h), on positions, quaternions and
-// velocities; then one mass-weighted projection onto the rows' positions and one onto their velocities, both with one
-// factorisation. And the evaluations between sub-steps.
+// (kernel/elements/compliance.h), ROS34PW2 where contacts are (contact_stages.h), or a method of order eight in blows
+// of contacts (eighth_order.h), on positions, quaternions and velocities; then one mass-weighted projection onto the
+// rows' positions and one onto their velocities, both with one factorisation. And the evaluations between sub-steps.
 //
 // Functions that return an int return kNone, the node whose pivot vanished, or kRigidFailure (rigid_rows.h).
 #pragma once
@@ -35,12 +35,11 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept;
 // The beginning of sub-steps; its motion is kept in the evaluation's blocks.
 struct SubstepStart {
   double t;                       // s
+  Contacts method;                // of the sub-steps
   std::int32_t independent_rows;  // of the loops: no stage takes more for independent
   std::uint64_t rigid_rows;       // of closed rigid contacts: the RigidSet that was independent
   ContactRows contacts;           // that the sub-steps are implicit in, if there are some
 };
-// How contacts are integrated.
-enum class Contacts { kExplicit, kImplicit };
 // The instant that the evaluation is of becomes the beginning of the next sub-steps.
 SubstepStart begin_substep(const Instant& now, Contacts contacts, Evaluation& ev) noexcept;
 

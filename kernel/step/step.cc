@@ -148,8 +148,7 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const bool reaches_due = may_split && due <= end + slack;
   const double planned = reaches_due && due < end - slack ? due : end;
   const double target = may_split && run.plan.time_corners ? calc_time_corner(run, now, planned) : planned;
-  const Reached reached =
-      advance_to_event(run, now, target, parts.implicit ? Contacts::kImplicit : Contacts::kExplicit, may_split);
+  const Reached reached = advance_to_event(run, now, target, parts.contacts, may_split);
   if (reached.time == kFailed) return step_end;
   accept(run);
   if (target < planned && reached.time == target) ++run.search().corners;

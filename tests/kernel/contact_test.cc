@@ -360,9 +360,9 @@ TEST(Contact, AutomaticSubstepsAreFewWhereABodySlidesAtRestOnAnother) {
   }
   EXPECT_NEAR(s.state.bodies[0].p.z, kBallRadius - kRestDepth, 1e-4 * kRestDepth);
   EXPECT_NEAR(s.state.bodies[0].v.x, 3 - kFriction * kGravity, 1e-5) << "slip speeds of 1 mm/s and less";
-  // A vibration as large as the depth is resolved: a drop onto the floor has many parts.
+  // A vibration as large as the depth is resolved: a drop onto the floor has parts of 0.3 of 1/ω, of order eight.
   s.state.bodies[0].v.z = -0.01;
-  EXPECT_GE(s.advance().substeps, 16);
+  EXPECT_GE(s.advance().substeps, 4);
 }
 
 // Balls that circle in a tube: its wall turns the normal, and the depth stays, or grows by what is added outwards.

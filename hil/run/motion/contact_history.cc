@@ -213,7 +213,8 @@ ContactReading ContactHistory::calc(const MotionWindow& window, int contact, dou
   const auto found = std::ranges::find(known, time, &Known::time);
   if (found != known.end()) return found->reading;
   const State& state = (time < window.get_present().from ? previous_ : present_).state;
-  for (std::size_t b = 0; b < state.bodies.size(); ++b) state.bodies[b] = window.calc_body(static_cast<int>(b), time);
+  for (std::size_t b = 0; b < state.bodies.size(); ++b)
+    state.bodies[b] = window.calc_moving_body(static_cast<int>(b), time);
   known.push_back({time, calc_contact(simulation_.plan(), state, contact)});
   return known.back().reading;
 }

@@ -19,6 +19,20 @@ struct Quintic {
   }
 };
 
+// Its derivative.
+struct QuinticRate {
+  double place[2], rate[2], acceleration[2];
+  QuinticRate(double s, double h) {
+    const double s2 = s * s, s3 = s2 * s, s4 = s3 * s;
+    place[1] = (30 * s2 - 60 * s3 + 30 * s4) / h;
+    place[0] = -place[1];
+    rate[0] = 1 - 18 * s2 + 32 * s3 - 15 * s4;
+    rate[1] = -12 * s2 + 28 * s3 - 15 * s4;
+    acceleration[0] = h * (s - 4.5 * s2 + 6 * s3 - 2.5 * s4);
+    acceleration[1] = h * (1.5 * s2 - 4 * s3 + 2.5 * s4);
+  }
+};
+
 struct Cubic {
   double place[2], rate[2];
   Cubic(double s, double h) {
@@ -46,6 +60,16 @@ struct Turning {
   }
 };
 
+// The attitude between two, or its rate; not of size 1.
+template <class Weights>
+Quat interpolate(const Weights& five, const Turning& a, const Turning& b) {
+  const double sign = dot(a.q, b.q) < 0 ? -1 : 1;  // q and −q are one attitude
+  Quat q = add({0, 0, 0, 0}, five.place[0], a.q);
+  q = add(add(q, five.rate[0], a.rate), five.acceleration[0], a.acceleration);
+  q = add(q, sign * five.place[1], b.q);
+  return add(add(q, sign * five.rate[1], b.rate), sign * five.acceleration[1], b.acceleration);
+}
+
 }  // namespace
 
 BodyState get_rest() { return {{0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}}; }
@@ -60,16 +84,29 @@ BodyState MotionPiece::calc_body(std::size_t body, double time) const {
   const Quintic five(s, h);
   const Cubic three(s, h);
   const Turning turn_a(a, acc_a), turn_b(b, acc_b);
-  const double sign = dot(a.q, b.q) < 0 ? -1 : 1;  // q and −q are one attitude
-  Quat q = add({0, 0, 0, 0}, five.place[0], turn_a.q);
-  q = add(add(q, five.rate[0], turn_a.rate), five.acceleration[0], turn_a.acceleration);
-  q = add(q, sign * five.place[1], turn_b.q);
-  q = add(add(q, sign * five.rate[1], turn_b.rate), sign * five.acceleration[1], turn_b.acceleration);
+  const Quat q = interpolate(five, turn_a, turn_b);
   return {five.place[0] * a.p + five.rate[0] * a.v + five.acceleration[0] * acc_a.lin + five.place[1] * b.p +
               five.rate[1] * b.v + five.acceleration[1] * acc_b.lin,
           normalized(q),
           three.place[0] * a.v + three.rate[0] * acc_a.lin + three.place[1] * b.v + three.rate[1] * acc_b.lin,
           three.place[0] * a.w + three.rate[0] * turn_a.w_rate + three.place[1] * b.w + three.rate[1] * turn_b.w_rate};
+}
+
+BodyState MotionPiece::calc_moving_body(std::size_t body, double time) const {
+  BodyState out = calc_body(body, time);
+  const double h = to - from;
+  if (!(h > 0) || time >= to || time <= from) return out;
+  const BodyState &a = start[body], &b = end[body];
+  const Spatial &acc_a = at_start[body], &acc_b = at_end[body];
+  const double s = (time - from) / h;
+  const QuinticRate rate(s, h);
+  const Turning turn_a(a, acc_a), turn_b(b, acc_b);
+  out.v = rate.place[0] * a.p + rate.rate[0] * a.v + rate.acceleration[0] * acc_a.lin + rate.place[1] * b.p +
+          rate.rate[1] * b.v + rate.acceleration[1] * acc_b.lin;
+  const Quat q = interpolate(Quintic(s, h), turn_a, turn_b);
+  const Quat turn = Quat{q.w, -q.x, -q.y, -q.z} * interpolate(rate, turn_a, turn_b);
+  out.w = (2 / dot(q, q)) * Vec3{turn.x, turn.y, turn.z};
+  return out;
 }
 
 // Moves to the piece between two knots. Motion is smooth if neither state nor accelerations jump, a step begins with
@@ -114,10 +151,16 @@ MotionWindow::Place& MotionWindow::keep(const MotionKnot& knot) {
   return place;
 }
 
+const MotionPiece& MotionWindow::get_piece(double time) const {
+  return time < get_present().from ? get_previous() : get_present();
+}
+
 BodyState MotionWindow::calc_body(int body, double time) const {
-  if (body < 0) return get_rest();
-  const MotionPiece& piece = time < get_present().from ? get_previous() : get_present();
-  return piece.calc_body(static_cast<std::size_t>(body), time);
+  return body < 0 ? get_rest() : get_piece(time).calc_body(static_cast<std::size_t>(body), time);
+}
+
+BodyState MotionWindow::calc_moving_body(int body, double time) const {
+  return body < 0 ? get_rest() : get_piece(time).calc_moving_body(static_cast<std::size_t>(body), time);
 }
 
 }  // namespace unlatch::hil

@@ -18,6 +18,9 @@ struct MotionPiece {
   std::span<const Spatial> at_start{}, at_end{};  // accelerations of the origins, world axes
   // Pose and velocity at a time between the two.
   [[nodiscard]] BodyState calc_body(std::size_t body, double time) const;
+  // Likewise with the velocities by which the pose changes, of order h⁵: of a contact that closes fast, the damping
+  // depends on them.
+  [[nodiscard]] BodyState calc_moving_body(std::size_t body, double time) const;
 };
 
 // The present piece and the one before it.
@@ -41,6 +44,7 @@ class MotionWindow {
   [[nodiscard]] const MotionPiece& get_present() const { return pieces_[present_]; }
   // State of a body at a time within the two pieces.
   [[nodiscard]] BodyState calc_body(int body, double time) const;
+  [[nodiscard]] BodyState calc_moving_body(int body, double time) const;
 
  private:
   // States of the bodies at a knot.
@@ -49,6 +53,8 @@ class MotionWindow {
     std::vector<Spatial> accelerations;
   };
   Place& keep(const MotionKnot& knot);
+  // The one of the two in which a time lies.
+  [[nodiscard]] const MotionPiece& get_piece(double time) const;
 
   std::array<Place, 4> places_;  // ends of the two pieces; one place is shared where the motion is smooth
   std::size_t next_ = 0;         // index into places_: the one written longest ago

@@ -22,13 +22,16 @@ constexpr double kSlip = 0.75;
 // An implicit part errs by a part of (ω h)³ of the vibration, of which so much of the depth is allowed, and by the
 // third power of the change of its slip, which may be so much of what an explicit part's may.
 constexpr double kImplicitVibration = 1e-5, kImplicitChange = 0.25;
-// An implicit part costs as much as so many explicit ones.
-constexpr int kImplicitCost = 2;
+// An implicit part costs as much as so many explicit ones, and so does one of order eight.
+constexpr int kImplicitCost = 2, kEighthCost = 2;
+
+// Largest part of order eight of a blow, in 1 / rate. It errs by a part of (ω h)⁸ of the vibration.
+constexpr double kEighthBlow = 0.3;
 
 // Rates of a pair, 1/s: of the vibration, of its damping, of the slip's decay at the least slip of the part; and the
-// parts per second that it needs, explicit and implicit ones.
+// parts per second that it needs, explicit ones, those of order eight and implicit ones.
 struct PairRates {
-  double omega = 0, damping = 0, slip = 0, parts = 0, implicit_parts = 0;
+  double omega = 0, damping = 0, slip = 0, parts = 0, eighth_parts = 0, implicit_parts = 0;
 };
 
 // Acceleration of a carrier, of its origin, W.
@@ -39,8 +42,9 @@ Spatial get_acceleration(const PlanShapes& shapes, const Evaluation& ev) {
 
 // The longest parts, in 1 / rate.
 struct Longest {
-  double explicit_part, implicit_part;
+  double explicit_part, eighth_part, implicit_part;
 };
+constexpr Longest kLongestOfBlow{kBlow, kEighthBlow, kBlow};
 
 // ω h ≤ ∛(depth / vibration · kImplicitVibration).
 double calc_implicit_part(double vibration, double depth) {
@@ -53,7 +57,7 @@ double calc_implicit_part(double vibration, double depth) {
 // part, and is small beside it once they rest on each other or slide.
 Longest calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates, const ClosedPair& pair,
                      const BodyFrame& base, const BodyFrame& follower, const Evaluation& ev) {
-  if (!plan.rigid || !(rates.omega > 0)) return {kBlow, kBlow};  // accelerations of markers are not known yet
+  if (!plan.rigid || !(rates.omega > 0)) return kLongestOfBlow;  // accelerations of markers are not known yet
   const PlanContact& contact = plan.contacts[at(plan.contact_pairs[i].contact)];
   const double second = calc_depth_acceleration(
       plan, plan.contact_pairs[i], {base, get_acceleration(plan.shapes[at(contact.base)], ev)},
@@ -63,8 +67,9 @@ Longest calc_longest(const PlanData& plan, std::size_t i, const PairRates& rates
                depth = std::sqrt(pair.depth * pair.depth + fast * fast);
   const double implicit_part = calc_implicit_part(vibration, depth);
   constexpr double kLeast = (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled) * (kBlow / kSettled);
-  if (!(vibration > kLeast * depth)) return {kSettled, implicit_part};
-  return {kBlow * std::max(1.0, std::sqrt(std::sqrt(depth / vibration))), implicit_part};
+  if (!(vibration > kLeast * depth)) return {kSettled, kSettled, implicit_part};
+  const double fourth_root = std::max(1.0, std::sqrt(std::sqrt(depth / vibration)));
+  return {kBlow * fourth_root, std::min(kSettled, kEighthBlow * std::sqrt(fourth_root)), implicit_part};
 }
 
 // Mobility of a carrier, 1/kg: acceleration along the unit vector u of its material at a point, per force along u
@@ -134,13 +139,14 @@ PairRates calc_rates(const PlanData& plan, std::size_t i, const PlanContact& con
     const double braking = contact.friction * blow.force * along;  // m/s²
     const double gaining = norm(relative + gained * pair.normal);
     out.slip = braking / change;
-    out.parts = std::max(braking, gaining) / (kSlip * change);
+    out.parts = out.eighth_parts = std::max(braking, gaining) / (kSlip * change);
     out.implicit_parts = gaining / (kImplicitChange * change);
   }
   const double fast = std::max(out.omega, out.damping);
   const bool needs_parts = fast * plan.options.dt > kBlow;
-  const Longest longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : Longest{kBlow, kBlow};
+  const Longest longest = needs_parts ? calc_longest(plan, i, out, pair, base, follower, ev) : kLongestOfBlow;
   out.parts = std::max(fast / longest.explicit_part, out.parts);
+  out.eighth_parts = std::max(fast / longest.eighth_part, out.eighth_parts);
   out.implicit_parts = std::max(fast / longest.implicit_part, out.implicit_parts);
   return out;
 }
@@ -160,7 +166,7 @@ std::int32_t count_parts(double needed, double rest, double dt) {
 ContactParts cut_for_slips(double needed) {
   constexpr std::uint32_t kMost = kMaxAutomaticSubsteps;
   const std::uint32_t parts = needed < kMost ? std::bit_ceil(static_cast<std::uint32_t>(std::ceil(needed))) : kMost;
-  return {static_cast<std::int32_t>(parts), false, false};
+  return {static_cast<std::int32_t>(parts), Contacts::kExplicit, false};
 }
 
 // Parts per second that the friction of rigid contacts needs: of a slip that may turn, so many that it keeps half of
@@ -189,19 +195,21 @@ bool may_be_implicit(const PlanData& plan) noexcept {
 ContactParts choose_contact_parts(const PlanData& plan, const State& state, double t, double rest,
                                   const Evaluation& ev) noexcept {
   const double slips = plan.rigid_pairs > 0 ? calc_slip_parts(plan, ev) : 0;
-  if (slips > 0 && !has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false, false};
-  double most = slips, implicit_most = 0, square = 0, damping = 0, slip = 0;
+  if (slips > 0 && !has_automatic_parts(plan.contact_substeps))
+    return {plan.contact_substeps, Contacts::kExplicit, false};
+  double most = slips, eighth_most = 0, implicit_most = 0, square = 0, damping = 0, slip = 0;
   std::size_t closed = 0;
   for (const PlanContact& contact : plan.contacts) {
     if (contact.rigid) continue;  // smooth while it is closed, but for its friction
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (state.contacts[i].closed == 0) continue;
-      if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, false, false};
+      if (!has_automatic_parts(plan.contact_substeps)) return {plan.contact_substeps, Contacts::kExplicit, false};
       const double scale = calc_scale(state.elements[at(contact.element)], t);
       if (!(scale > 0)) continue;
       const PairRates own = calc_rates(plan, i, contact, scale, ev);
       ++closed;
       most = std::max(most, own.parts);
+      eighth_most = std::max(eighth_most, own.eighth_parts);
       implicit_most = std::max(implicit_most, own.implicit_parts);
       square += own.omega * own.omega;
       damping += own.damping;
@@ -211,12 +219,15 @@ ContactParts choose_contact_parts(const PlanData& plan, const State& state, doub
   const double stable = std::max(std::sqrt(square), std::max(damping, slip)) / kStable;
   const double refined = get_contact_refinement(plan.contact_substeps), dt = plan.options.dt;
   if (closed == 0) return cut_for_slips(refined * dt * slips);
-  const std::int32_t parts = count_parts(refined * std::max(most, stable), rest, dt),
+  const std::int32_t parts = count_parts(refined * std::max(most, stable), rest, dt);
+  if (!may_be_implicit(plan)) return {parts, Contacts::kExplicit, true};
+  const std::int32_t eighth_parts = count_parts(refined * std::max(eighth_most, stable), rest, dt),
                      implicit_parts = count_parts(refined * implicit_most, rest, dt);
-  const bool implicit = closed <= kMostImplicitPairs && may_be_implicit(plan);
   const bool is_unstable = dt * stable > kMaxAutomaticSubsteps;  // with explicit parts
-  if (implicit && (is_unstable || kImplicitCost * implicit_parts <= parts)) return {implicit_parts, true, true};
-  return {parts, false, true};
+  const bool saves = kImplicitCost * implicit_parts <= parts && implicit_parts <= eighth_parts;
+  if (closed <= kMostImplicitPairs && (is_unstable || saves)) return {implicit_parts, Contacts::kImplicit, true};
+  if (kEighthCost * eighth_parts <= parts) return {eighth_parts, Contacts::kEighthOrder, true};
+  return {parts, Contacts::kExplicit, true};
 }
 
 }  // namespace unlatch

@@ -15,6 +15,9 @@
 // A blow is resolved within 0.12 of its rate; a vibration that is a small part of the depth, less finely: what the
 // method errs by is a part of the vibration (THEORY.md). Rigid contacts alone cut the step itself, into a power of two.
 //
+// Where the blow or the vibration would cut the step into many parts, these are of order eight instead
+// (kernel/integration/eighth_order.h): with fewer and longer parts they err less.
+//
 // A model may ask for automatic parts that are so many times as fine (unlatch/model/contact_substeps.h).
 //
 // Where even kMaxAutomaticSubsteps parts do not resolve a pair, the step goes on with so many; hil's notices report it.
@@ -25,18 +28,26 @@
 
 namespace unlatch {
 
-// How a step goes on while contacts are closed.
-struct ContactParts {
-  std::int32_t count = 1;  // parts into which the step is cut, or its rest
-  bool implicit = false;   // the next one is implicit in the forces of contacts (kernel/integration/contact_stages.h)
-  bool of_rest = false;    // the parts are those of the rest of the step
+// How contacts are integrated in a sub-step.
+enum class Contacts : std::uint8_t {
+  kExplicit,     // by RK4, as all else
+  kEighthOrder,  // by a Runge-Kutta method of order eight, with all else (kernel/integration/eighth_order.h)
+  kImplicit,     // implicit in the forces of contacts (kernel/integration/contact_stages.h)
 };
 
-// The most closed pairs, bodies and auxiliary states of systems with implicit parts: for so many there is room.
+// How a step goes on while contacts are closed.
+struct ContactParts {
+  std::int32_t count = 1;                   // parts into which the step is cut, or its rest
+  Contacts contacts = Contacts::kExplicit;  // of the next one
+  bool of_rest = false;                     // the parts are those of the rest of the step
+};
+
+// The most closed pairs of implicit parts, and the most bodies and auxiliary states of systems with parts of either
+// method of their own, for which there is room.
 inline constexpr std::size_t kMostImplicitPairs = 8, kMostImplicitBodies = 16, kMostImplicitAuxiliary = 96;
 
-// True if parts may be implicit: they are automatic, there is room for them, and no springs of joints, modes, masses
-// that burn or rigid contacts have a method of their own.
+// True if parts may be implicit or of order eight: they are automatic, there is room for them, and no springs of
+// joints, modes, masses that burn or rigid contacts have a method of their own.
 bool may_be_implicit(const PlanData& plan) noexcept;
 
 // Parts of the step from the present state on, at `t`, s; `ev` is its evaluation: 1 if no contact is closed. `rest`: to
