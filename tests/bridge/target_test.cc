@@ -190,7 +190,7 @@ TEST_F(Target, ANewStartOfTheFlightSoftwareTakesItsPlaceAndChangesNoBit) {
   EXPECT_NE(world_.printed.find("# 'fsw' takes part from tick 51\n"), std::string::npos) << world_.printed;
 }
 
-TEST_F(Target, FlightSoftwareThatIsSilentIsWaitedForAndToldSo) {
+TEST_F(Target, FlightSoftwareThatIsSilentIsWaitedForAndReported) {
   Board board("0.6");
   const auto participant = make_participant(1);
   int paused = 0;

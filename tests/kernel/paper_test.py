@@ -307,7 +307,7 @@ class PaperTest(unittest.TestCase):
         a, b = (radius * f(s0 + omega**2 / (4 * abs(mu))) for f in (math.cos, math.sin))
         return b * (c - c0) - a * (s - s_0), a * (c - c0) + b * (s - s_0)
 
-    def test_2_10_and_2_11_are_told_apart_by_the_sign_of_mu_alone(self):
+    def test_2_10_and_2_11_are_distinguished_by_the_sign_of_mu_alone(self):
         for omega in (10, -10):
             for mu in (2.5, -2.5):
                 integrals = [float(x) for x in FRESNEL[f"omega={omega},mu={mu}"]["int_p_dt_int_q_dt"]["2"]]

@@ -588,7 +588,7 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
             self.assertEqual(fmu.step(0.1, 0.1)[0], ERROR)
         self.assertIn("after the stop time of 0.1 s", fmu.messages[-1])
 
-    def test_overrides_are_inside_and_mistakes_are_told(self):
+    def test_overrides_are_inside_and_mistakes_are_reported(self):
         file = self.folder / "heavy.fmu"
         self.run_ok(UNLATCH, "export", REFERENCE, "--fmu", file, "--set", "bodies.core.mass=99 t", "--set", "bodies.booster1.mass=4400")
         with zipfile.ZipFile(file) as archive:

@@ -149,7 +149,7 @@ TEST(Contacts, TheAuditExplainsTheEnergyThatABlowTakes) {
   EXPECT_LT(std::abs(energy.unexplained), kAudited * 6.75);
 }
 
-TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
+TEST(Contacts, OneThatIsClosedAtTheStartIsReportedAndIsNoTouch) {
   const std::string text = build_blow("stiffness: 0.2 MN/m", "", -0.001);
   const AnalysedRun run(text);
   EXPECT_TRUE(run.analysis.list_contacts()[0].closed_at_start);
@@ -163,7 +163,7 @@ TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
   EXPECT_TRUE(found);
 }
 
-TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
+TEST(Contacts, AStepThatDoesNotResolveABlowIsReported) {
   const AnalysedRun run(build_blow("stiffness: 2000 MN/m"));  // √(k/m)·h = 3.95
   ASSERT_TRUE(find_notice(run, "contact").has_value());
   EXPECT_NE(find_notice(run, "contact")->text.find("sqrt(k/m)·h"), std::string::npos);

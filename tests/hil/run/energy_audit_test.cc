@@ -234,13 +234,13 @@ TEST(EnergyAudit, AnUnresolvedSpringDoesNotBalance) {
   EXPECT_EQ(run.watch.get()[0].time, 0);
 }
 
-TEST(EnergyAudit, AMarginalSpringIsToldAndDoesNotFail) {
+TEST(EnergyAudit, AMarginalSpringIsReportedAndDoesNotFail) {
   const Audited run(spring("9e4", "0"));  // h·ω = 0.3: 5e-6 of the energy a step
   EXPECT_THAT(run.get_names(), ::testing::Contains("spring s"));
   EXPECT_EQ(run.watch.describe_unresolved(), "");
 }
 
-TEST(Notices, ABodyThatTurnsFarInAStepIsToldOnceWithItsFirstTime) {
+TEST(Notices, ABodyThatTurnsFarInAStepIsReportedOnceWithItsFirstTime) {
   std::string text = kPair;
   text.replace(text.find("inertia: [1, 1, 1]}"), 19, "inertia: [1, 1, 1], rate: [0, 0, 190]}");
   // 20 rad/s² from 190 to 210 rad/s: 0.2 rad a step at 0.5 s
@@ -250,7 +250,7 @@ TEST(Notices, ABodyThatTurnsFarInAStepIsToldOnceWithItsFirstTime) {
   EXPECT_NEAR(run.watch.get()[0].time, 0.5, 0.0021);
 }
 
-TEST(Notices, ALoopThatSwingsWithinItsDelayIsTold) {
+TEST(Notices, ALoopThatSwingsWithinItsDelayIsReported) {
   const std::string text = kPair + R"(channels:
   valve: {initial: 0, range: [-1, 1], safe: 0}
 elements:

@@ -44,7 +44,7 @@ elements:
 }
 
 // 0.3 · 100 N / 1 mm/s / 4 kg = 7500 1/s while it sticks.
-TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) {
+TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsReported) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s");
   const AnalysedRun run(text);
   const std::optional<hil::RunNotice> notice = find_notice(run, "friction", "drag");
@@ -59,14 +59,14 @@ TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) 
 }
 
 // Sliding with 2 m/s, friction changes the speed slowly: 3.75 1/s.
-TEST(FrictionNotices, AJointThatOnlySlidesIsNotTold) {
+TEST(FrictionNotices, AJointThatOnlySlidesIsNotReported) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s", 2);
   EXPECT_FALSE(find_notice(AnalysedRun(text), "friction", "drag").has_value());
   EXPECT_EQ(find_forecast(text, "friction", "element 'drag'"), "");
 }
 
 // 30 N decelerate it by 7.5 m/s²: it sticks after 0.0133 s, after which the notice has its time.
-TEST(FrictionNotices, AJointThatComesToStickIsToldThen) {
+TEST(FrictionNotices, AJointThatComesToStickIsReportedThen) {
   const AnalysedRun run(build_slider("coefficient: 0.3, speed: 1 mm/s", 0.1));
   const std::optional<hil::RunNotice> notice = find_notice(run, "friction", "drag");
   ASSERT_TRUE(notice.has_value());
@@ -105,7 +105,7 @@ elements:
          law + "}\n";
 }
 
-TEST(FrictionNotices, AStiffPusherIsTold) {
+TEST(FrictionNotices, AStiffPusherIsReported) {
   const std::string stiff = build_pusher("preload: 50 kN, stiffness: 1 MN/m");  // √(1e6 · 1) · 1 ms
   const AnalysedRun run(stiff);
   ASSERT_TRUE(find_notice(run, "spring", "push").has_value());
@@ -117,7 +117,7 @@ TEST(FrictionNotices, AStiffPusherIsTold) {
 }
 
 // 5 N / 1 mm/s · 1/kg = 5000 1/s at the start from rest; 5 N / 5 cm/s · 1/kg = 100 1/s.
-TEST(FrictionNotices, APushersFrictionIsTold) {
+TEST(FrictionNotices, APushersFrictionIsReported) {
   const std::string text = build_pusher("preload: 100 N, stiffness: 1 kN/m, friction: 5 N, friction_speed: 1 mm/s");
   const AnalysedRun run(text);
   ASSERT_TRUE(find_notice(run, "friction", "push").has_value());

@@ -125,7 +125,7 @@ TEST(MeshRun, PiecesThatAreSkippedChangeNoBit) {
   EXPECT_EQ(some.get()[0].now, all.get()[0].now);
 }
 
-TEST(MeshRun, MeshesThatCrossAtTheStartAreToldWithoutADepth) {
+TEST(MeshRun, MeshesThatCrossAtTheStartAreReportedWithoutADepth) {
   const std::string text = R"(unlatch: 1
 name: crossing
 step: {dt: 1 ms, until: 1}

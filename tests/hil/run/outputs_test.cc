@@ -133,7 +133,7 @@ TEST_F(OutputsTest, ForcesOfElementsAreThoseThatMoveTheBodies) {
   EXPECT_THAT(read("sensor.gyro"), ElementsAre(ball.w.x, ball.w.y, ball.w.z));
 }
 
-TEST_F(OutputsTest, PushersTellTheirForceAndWhatIsLeftOfTheirStroke) {
+TEST_F(OutputsTest, PushersGiveTheirForceAndWhatIsLeftOfTheirStroke) {
   constexpr double kRounding = 1e-9;
   scenario = hil::load_scenario_text(R"(unlatch: 1
 name: pushed
@@ -168,7 +168,7 @@ elements:
 }
 
 // 2 kg at 3 m/s on 0.2 MN/m: the depth is 3/w sin(w t) after the touch at 0.1 s, w = 316 rad/s.
-TEST_F(OutputsTest, ContactsTellTheirForceDepthAndTotals) {
+TEST_F(OutputsTest, ContactsHaveTheirForceDepthAndTotals) {
   scenario = hil::load_scenario_text(R"(unlatch: 1
 name: blow
 step: {dt: 1 ms, until: 0.2, contact_substeps: 8}
@@ -193,7 +193,7 @@ contacts:
 }
 
 // One reading of a contact serves its outputs, whatever their order; each contact has its own.
-TEST_F(OutputsTest, ContactsThatAreReadInAnyOrderTellTheSame) {
+TEST_F(OutputsTest, ContactsThatAreReadInAnyOrderGiveTheSame) {
   scenario = hil::load_scenario_text(R"(unlatch: 1
 name: blows
 step: {dt: 1 ms, until: 0.2, contact_substeps: 8}

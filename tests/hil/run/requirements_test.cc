@@ -292,7 +292,7 @@ std::string get_mistakes(const std::string& requirements) {
   return "";
 }
 
-TEST(Requirements, MistakesAreToldWithTheirPlaceAndAGuess) {
+TEST(Requirements, MistakesAreReportedWithTheirPlaceAndAGuess) {
   EXPECT_EQ(get_mistakes("  - {id: A, clearance: [still, moved], at: erly, at_least: 1 kg}\n"
                          "  - {id: A, rate: {body: still, relative_to: still}, at: late, from: late, at_most: 1}\n"),
             "run.yaml:13:32: unknown body 'moved'; known: still, moving\n"

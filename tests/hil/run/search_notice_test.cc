@@ -24,7 +24,7 @@ events:
 }
 
 // Iterations converge slowly to a jump: half of them are attracted by the flat part beside it.
-TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
+TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsReported) {
   // The step is split at the first eight points, and no more at the jump.
   const AnalysedRun run(
       build_ignition("[0, 0.4 ms, 0.8 ms, 1.2 ms, 1.6 ms, 2 ms, 2.4 ms, 2.8 ms, 3.2 ms, 4 ms, 4.01 ms, 30 ms]",
@@ -78,7 +78,7 @@ TEST(SearchNotices, AnInstantThatIsLocatedIsNot) {
   EXPECT_NEAR(run.analysis.timeline[0].time, 1e-5, 1e-7);
 }
 
-TEST(SearchNotices, MoreInstantsThanAStepHasAreTold) {
+TEST(SearchNotices, MoreInstantsThanAStepHasAreReported) {
   std::string events;
   for (int k = 1; k <= 12; ++k) events += pass("e" + std::to_string(k), std::to_string(0.06 + 0.01 * k));
   const AnalysedRun run(build_slider(events));  // from 5 to 20 cm in the second step
@@ -110,7 +110,7 @@ bodies:
   return text + contacts;
 }
 
-TEST(SearchNotices, LooksForTouchesThatRunOutAreTold) {
+TEST(SearchNotices, LooksForTouchesThatRunOutAreReported) {
   const AnalysedRun run(build_passing(6, 1e-5));
   EXPECT_GT(run.analysis.search.unseen, 0);
   const std::vector<hil::RunNotice> notices = list_searches(run);
@@ -121,7 +121,7 @@ TEST(SearchNotices, LooksForTouchesThatRunOutAreTold) {
 }
 
 // A contact has a pair of shapes for each shape of the post: pairs are not numbered as contacts are.
-TEST(SearchNotices, TheContactOfAUnionOfShapesIsTheOneThatIsTold) {
+TEST(SearchNotices, TheContactOfAUnionOfShapesIsTheOneThatIsReported) {
   const AnalysedRun one(build_passing(6, 1e-5)), united(build_passing(6, 1e-5, kFarShape));
   EXPECT_EQ(united.analysis.search.unseen, one.analysis.search.unseen);
   const std::vector<hil::RunNotice> expected = list_searches(one), notices = list_searches(united);

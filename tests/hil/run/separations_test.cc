@@ -150,7 +150,7 @@ TEST(Separations, BodiesThatOtherJointsStillHoldDirectlyHaveNotParted) {
 }
 
 // Two balls, released at a distance of 1 m, that approach each other at 0.5 m/s after they were joined.
-TEST(Separations, AClearanceThatStillClosesAtTheEndIsTold) {
+TEST(Separations, AClearanceThatStillClosesAtTheEndIsReported) {
   const char* const text = R"(unlatch: 1
 name: closing
 step: {dt: 1 ms, until: 1}

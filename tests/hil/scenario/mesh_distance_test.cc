@@ -293,7 +293,7 @@ hil::ClearanceMonitor watch(const std::vector<std::vector<hil::BodyShape>>& shap
   return hil::ClearanceMonitor({pair}, shapes);
 }
 
-TEST(MeshDistance, OfWatchedPairsIsTheLeastOfMeshesAndShapesAndToldApart) {
+TEST(MeshDistance, OfWatchedPairsIsTheLeastOfMeshesAndShapesAndDistinguished) {
   const MeshPointer box =
       build_mesh(build_box_facets({1, 1, 1}), {.file = "box.stl", .scale = 0.5, .origin = {0, 0, 2}});
   const hil::BodyShape mesh{.name = "mesh", .group = "", .shape = {}, .mesh = box};

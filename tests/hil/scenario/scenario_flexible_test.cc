@@ -142,7 +142,7 @@ TEST_F(ScenarioFlexible, AContactPushesTheMarkerOfAFlexibleBody) {
   EXPECT_GT(get_contact_totals(simulation.plan, simulation.state, 0).impulse, 1);
 }
 
-TEST_F(ScenarioFlexible, ModesThatWereChangedWhenTheyWereReadAreTold) {
+TEST_F(ScenarioFlexible, ModesThatWereChangedWhenTheyWereReadAreReported) {
   EXPECT_TRUE(load(kText).remarks.empty());
   modes_.points.back().mass *= 1.2;  // the modes belong to other masses
   std::ofstream(folder_ / "mast.modes") << hil::write_modes_text(modes_);

@@ -232,7 +232,7 @@ std::string template_errors(const std::string& what, const std::string& with) {
   return load_errors(replaced(kTemplated, what, with));
 }
 
-TEST(Templates, AMistakeIsToldOnceWithItsInstance) {
+TEST(Templates, AMistakeIsReportedOnceWithItsInstance) {
   const std::string text = template_errors("inertia: [1, 1, 1], position", "inertia: [1, 1, 1], positon");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 0) << text;
   EXPECT_THAT(text,

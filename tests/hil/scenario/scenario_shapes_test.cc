@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongShape{"NoName", "name: a.b, sphere: {radius: 1}", 20, "is not a name"}),
     [](const auto& at) { return std::string(at.param.name); });
 
-TEST(ScenarioShapes, OfAnUnknownKindAreToldTheNearestOne) {
+TEST(ScenarioShapes, OfAnUnknownKindAreAnsweredByTheNearestOne) {
   EXPECT_THAT(errors_with(kCoreShape, "shape: [{frustrum: {radius: 1}}]"), HasSubstr("did you mean 'frustum'?"));
 }
 
@@ -197,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(
                                 "30: ", "watched twice"}),
     [](const auto& at) { return std::string(at.param.name); });
 
-TEST(ScenarioShapes, TwoHollowShapesThatAreLeftOutAreNotToldAgain) {
+TEST(ScenarioShapes, TwoHollowShapesThatAreLeftOutAreNotReportedAgain) {
   const std::string tube = "{name: skirt, hollow_cylinder: {from: [0, 0, 0], to: [1, 0, 0], radius: 1}}";
   const std::string text = replaced(replaced(kGoodScenario, kCoreShape, "shape: [{sphere: {radius: 1}}, " + tube + "]"),
                                     kBoosterShape, "shape: [" + tube + "]");

@@ -180,7 +180,7 @@ class AntennaTest(ProcessTest):
         self.assertGreater(loads[1], 2 * loads[0])  # but the bars bear the load
 
     # 25 bodies have 150 degrees of freedom; the whole moves in six, and the shape in one until it is locked.
-    def test_redundant_rows_are_counted_and_told(self):
+    def test_redundant_rows_are_counted_and_reported(self):
         hinges, slides, boom = 5 * CELLS * 5, CELLS * 5, 6
         moving = hinges + slides + boom - (6 * 25 - 7)
         locked = hinges + slides + CELLS + boom - (6 * 25 - 6)

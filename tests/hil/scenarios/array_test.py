@@ -82,7 +82,7 @@ class ArrayTest(ProcessTest):
         for mode in MODES:
             self.assertGreater(left_by_modes(angles[1], times, [other for other in MODES if other != mode]), 5e-2)
 
-    def test_ten_seconds_of_ringing_tell_a_hundredth_of_a_frequency(self):
+    def test_ten_seconds_of_ringing_resolve_a_hundredth_of_a_frequency(self):
         times = [10 + i / 100 for i in range(1001)]
         for angle in self.hinge_angles(times):
             self.assertLess(left_by_modes(angle, times, MODES), 3e-3)

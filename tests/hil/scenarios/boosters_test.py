@@ -238,7 +238,7 @@ class BoostersTest(ProcessTest):
 
     # Comparison with the same flight without contact: the difference is the effect of the strike; the law's own sum gives its
     # size.
-    def test_a_strike_gives_booster_and_core_opposite_momenta_and_the_impulse_told(self):
+    def test_a_strike_gives_booster_and_core_opposite_momenta_and_the_reported_impulse(self):
         dead = ("--set", "events.contact:booster1.enabled=false")
         without = self.run_at("cyclogram.yaml", [2.58], *dead, "--until", "3", code=1)["samples"][0]["bodies"]
         struck = self.run_at("recontact.yaml", [2.58], code=1)

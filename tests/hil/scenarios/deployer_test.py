@@ -121,7 +121,7 @@ class DeployerTest(ProcessTest):
         self.assertIn(found["status"], ("ok", "unresolved"))
 
     # Micrometres are not rounded to "-0.0000 m".
-    def test_the_report_tells_depths_of_micrometres(self):
+    def test_the_report_shows_depths_of_micrometres(self):
         printed = call(UNLATCH, "run", MISALIGNED).stdout
         for line in ("  stage – cubesat ", "    smallest clearance "):
             self.assertRegex(printed, re.escape(line) + r" *-\d\.\d+e-0\d m ")

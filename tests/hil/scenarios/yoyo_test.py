@@ -96,7 +96,7 @@ class YoyoTest(ProcessTest):
         self.assertGreater(times["release:cord1"], times["unwound:cord1"] + 0.005)
 
     # Angle and length on the drum are consistent; both are outputs.
-    def test_outputs_tell_what_is_left_on_the_drum(self):
+    def test_outputs_give_what_is_left_on_the_drum(self):
         found = run(YOYO, "--sample", "0.1,0.5,1")
         names = [sample["elements"]["cord1"] for sample in found["samples"]]
         self.assertGreater(names[0]["wound"], 2 * math.pi)

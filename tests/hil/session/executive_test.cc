@@ -103,7 +103,7 @@ TEST(Executive, CountsCommandsForTicksThatTheRunDoesNotReach) {
   EXPECT_EQ(run_session(Pace::kLockstep, {}).end.timing.unused_commands, 0);
 }
 
-TEST(Executive, ARunTooShortForItTellsTheWholeScenarioAllTheSame) {
+TEST(Executive, ARunTooShortForItPrintsTheWholeScenarioAllTheSame) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;

@@ -190,7 +190,7 @@ TEST_F(CampaignFileTest, ColumnsOfTablesAreReadInTheUnitsOfTheirHeadings) {
   }
 }
 
-TEST_F(CampaignFileTest, AllMistakesAreToldAtOnceWithTheirPlaces) {
+TEST_F(CampaignFileTest, AllMistakesAreReportedAtOnceWithTheirPlaces) {
   const std::string errors = load_errors(
       "samples: 10.5\nsampling: sobols\nparameters:\n"
       "  a: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: -1}}\n"
@@ -326,7 +326,7 @@ TEST_F(CampaignFileTest, OutputsAndCurvesBecomeColumns) {
   EXPECT_EQ(campaign.chosen.count(), names.size());
 }
 
-TEST_F(CampaignFileTest, MistakesOfOutputsAndCurvesAreTold) {
+TEST_F(CampaignFileTest, MistakesOfOutputsAndCurvesAreReported) {
   const std::string parameters =
       "samples: 3\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
   for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{

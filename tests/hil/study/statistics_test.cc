@@ -1,5 +1,5 @@
 // Facts about the statistics of campaigns: against closed forms and published numbers.
-// tests/tools/studies/campaign_test.py compares with OpenTURNS.
+// tests/tools/studies/campaign_statistics_test.py compares with OpenTURNS.
 #include "hil/study/statistics/statistics.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // Facts about subset simulation: known probabilities, the same bits in any order, and the spread of its estimates.
-// Oracle: closed forms, named at each margin below. tests/tools/studies/campaign_test.py compares with OpenTURNS.
+// Oracle: closed forms, named at each margin below. tests/tools/studies/campaign_statistics_test.py compares with
+// OpenTURNS.
 #include "hil/study/sampling/subset.h"
 
 #include <gtest/gtest.h>

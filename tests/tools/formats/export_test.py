@@ -312,7 +312,7 @@ contacts: {bounce: {between: [ball, ground.floor], stiffness: 0.2 MN/m, damping:
         self.assertEqual(read["counts"]["core.vx [m/s]"], 9)
         self.assertEqual(read["counts"]["core.x [m]"], 5)
 
-    def test_what_cannot_be_written_is_told(self):
+    def test_what_cannot_be_written_is_reported(self):
         nowhere = self.folder / "no/such/folder/file"
         for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
             result = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", nowhere, code=3)

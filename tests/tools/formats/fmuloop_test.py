@@ -223,7 +223,7 @@ class FmuLoopTest(ProcessTest):
             self.refuse(self.pack(version, description=describe(version, INPUTS, OUTPUTS, token="{other}")), "{other}", "refused")
             self.refuse(self.pack(version, hostile=OTHER_VERSION), f"fmi{version}GetVersion returned 1.0")
 
-    def test_a_failing_step_ends_the_run_and_is_told(self):
+    def test_a_failing_step_ends_the_run_and_is_reported(self):
         for version in (2, 3):
             self.fail(self.pack(version, hostile=ERROR_AT_STEP), f"fmi{version}DoStep returned fmi{version}Error", "t = 0.2 s", "gyro 7 has failed")
             self.fail(self.pack(version, hostile=FATAL_AT_STEP), f"fmi{version}Fatal")

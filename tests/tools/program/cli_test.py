@@ -126,7 +126,7 @@ class CliTest(ProcessTest):
             self.assertIn(path.split("=")[0], paths)
             self.run_ok(UNLATCH, "check", REFERENCE, "--set", path)
 
-    def test_manual_pages_are_clean_and_tell_what_help_tells(self):
+    def test_manual_pages_are_clean_and_say_what_help_says(self):
         self.run_ok(UNLATCH, "man", "--out", self.folder)
         pages = sorted(path.name for path in self.folder.iterdir())
         self.assertEqual(pages, sorted(["unlatch.1"] + [f"unlatch-{verb}.1" for verb in list_verbs()]))
@@ -154,7 +154,7 @@ class CliTest(ProcessTest):
     def test_a_long_run_shows_how_far_it_is_and_how_long_it_takes(self):
         self.assertRegex(read_terminal([UNLATCH, *BUSY], until=rb"left"), r"\[#*\.+\] t = \d+\.\d+ s of 900 s, .*s left")
 
-    def test_check_tells_programs_the_plan_or_every_mistake(self):
+    def test_check_gives_programs_the_plan_or_every_mistake(self):
         plan = self.run_json(UNLATCH, "check", BOOSTERS)
         self.assertTrue(plan["valid"])
         self.assertEqual(plan["joints"][0]["modes"]["slider"], ["y", "z", "rot_x", "rot_z"])
@@ -165,7 +165,7 @@ class CliTest(ProcessTest):
         self.assertFalse(wrong["valid"])
         self.assertGreater(wrong["mistakes"][0]["line"], 1)
 
-    def test_reactions_that_are_not_unique_are_told(self):
+    def test_reactions_that_are_not_unique_are_reported(self):
         bolts = "".join(f"""
   bolt{k}: {{between: [ground, plate], point: [0.4*cos({k}*pi/4), 0.4*sin({k}*pi/4), 0], share: 1, share_length: 1 cm,
           follower_point: [0.4*cos({k}*pi/4), 0.4*sin({k}*pi/4), 0], modes: {{held: {{rows: [z]}}, free: {{rows: []}}}}, mode: held}}"""

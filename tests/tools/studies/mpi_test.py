@@ -176,7 +176,7 @@ class MpiTest(ProcessTest):
         self.assertEqual(alone["hash"], ranks["hash"])
         self.check_same_tables("alone", "ranks")
 
-    def test_a_mistake_is_told_once_with_exit_code_2(self):
+    def test_a_mistake_is_reported_once_with_exit_code_2(self):
         path = self.write("samples: 4\nparameters:\n  m: {path: bodies.top.mas, uniform: {min: 1, max: 2}}\n")
         expected = call(UNLATCH, "campaign", path, "--out", self.folder / "alone")
         done = self.run_ranks(3, "campaign", path, "--out", self.folder / "out", code=2)

@@ -177,7 +177,7 @@ class AccuracyTest(ProcessTest):
             self.assertLessEqual(sum(0.002 / step for step in steps[2:]), 1 + 2 + 4, f"{tolerance}: {text}")
         self.assertGreaterEqual(max(counts), 1, "no trial was seen")
 
-    def test_a_linkage_that_turns_far_in_a_step_is_told(self):
+    def test_a_linkage_that_turns_far_in_a_step_is_reported(self):
         result = call(UNLATCH, "run", self.write(LINKAGE), "--json", "-")
         report = json.loads(result.stdout)
         notices = {(notice["name"], notice["subject"]): notice for notice in report["notices"]}
@@ -187,7 +187,7 @@ class AccuracyTest(ProcessTest):
         self.assertEqual(self.run_json(UNLATCH, "run", self.write(slow))["notices"], [])
         self.assertIn("|w|*h", call(UNLATCH, "check", self.write(LINKAGE)).stdout)
 
-    def test_a_folded_panel_is_told_before_it_latches(self):
+    def test_a_folded_panel_is_reported_before_it_latches(self):
         plan = self.run_json(UNLATCH, "check", self.write(FOLDED))
         self.assertIn("branch", [warning["name"] for warning in plan["warnings"]])
         self.assertEqual({w["line"] for w in plan["warnings"] if w["name"] == "branch"}, {8})
@@ -195,7 +195,7 @@ class AccuracyTest(ProcessTest):
         plan = self.run_json(UNLATCH, "check", self.write(aside))
         self.assertNotIn("branch", [warning["name"] for warning in plan["warnings"]])
 
-    def test_a_spring_across_a_held_joint_is_told_by_check_and_by_the_run(self):
+    def test_a_spring_across_a_held_joint_is_reported_by_check_and_by_the_run(self):
         # 0.5 k x² of 200 J separates 4 kg from 400 kg at 10 m/s.
         stiff = self.write(PAIR.replace("STIFFNESS", "4e10").replace("LENGTH", "1.0001"))
         plan = self.run_json(UNLATCH, "check", stiff)
@@ -217,7 +217,7 @@ class AccuracyTest(ProcessTest):
         speeds = [body["v"][0] for body in soft["samples"][-1]["bodies"].values()]
         self.assertAlmostEqual(speeds[1] - speeds[0], 10.05, delta=0.01)
 
-    def test_check_tells_events_that_cannot_come_and_those_that_hold_already(self):
+    def test_check_reports_events_that_cannot_come_and_those_that_hold_already(self):
         text = PAIR.replace("STIFFNESS", "4e4").replace("LENGTH", "1.1")
         late = self.run_json(UNLATCH, "check", self.write(text), "--until", "0.05")
         self.assertIn(("never", "event 'release'"), [(w["name"], w["where"]) for w in late["warnings"]])
@@ -229,7 +229,7 @@ class AccuracyTest(ProcessTest):
         if waits.returncode == 0:
             self.assertIn("never", [w["name"] for w in json.loads(waits.stdout)["warnings"]])
 
-    def test_a_loaded_spring_without_length_is_told(self):
+    def test_a_loaded_spring_without_length_is_reported(self):
         text = PAIR.replace("STIFFNESS", "13.2").replace("LENGTH", "0.4").replace("position: [1, 0, 0]", "position: [0, 0, 0]")
         text = text.replace("point: [1, 0, 0], modes", "modes")
         plan = self.run_json(UNLATCH, "check", self.write(text))
@@ -239,14 +239,14 @@ class AccuracyTest(ProcessTest):
         run = json.loads(call(UNLATCH, "run", self.write(text), "--json", "-").stdout)
         self.assertEqual([(n["t"], n["subject"]) for n in run["notices"] if n["name"] == "accuracy.direction"], [(0, "pusher")])
 
-    def test_a_step_that_cannot_resolve_a_stroke_is_told(self):
+    def test_a_step_that_cannot_resolve_a_stroke_is_reported(self):
         text = PAIR.replace("STIFFNESS", "6.25").replace("LENGTH", "1.4").replace("{dt: 0.001, until: 1}", "{dt: 1, until: 10}")
         plan = self.run_json(UNLATCH, "check", self.write(text))
         self.assertIn("step", [w["name"] for w in plan["warnings"]])
         plan = self.run_json(UNLATCH, "check", self.write(text), "--dt", "0.01")
         self.assertNotIn("step", [w["name"] for w in plan["warnings"]])
 
-    def test_a_joint_spring_that_acts_on_a_free_joint_is_told_unless_it_is_meant(self):
+    def test_a_joint_spring_that_acts_on_a_free_joint_is_reported_unless_it_is_meant(self):
         text = PAIR.replace("STIFFNESS", "4e4").replace("LENGTH", "1.1")
         text = text.replace("events:", "  detent: {type: joint_spring, joint: latch, axis: x, stiffness: 100}\nevents:")
         plan = self.run_json(UNLATCH, "check", self.write(text))
@@ -254,7 +254,7 @@ class AccuracyTest(ProcessTest):
         plan = self.run_json(UNLATCH, "check", self.write(text.replace("stiffness: 100}", "stiffness: 100, while_free: true}")))
         self.assertNotIn("free_spring", [w["name"] for w in plan["warnings"]])
 
-    def test_bodies_that_lie_in_each_other_at_the_start_are_told_unless_they_are_joined(self):
+    def test_bodies_that_lie_in_each_other_at_the_start_are_reported_unless_they_are_joined(self):
         balls = """unlatch: 1
 name: balls
 step: {dt: 0.001, until: 0.1}
@@ -269,7 +269,7 @@ bodies:
                        balls + "joints:\n  latch: {between: [one, two], point: [0.7, 0, 0], modes: {held: {kind: weld}}}\n"):
             self.assertNotIn("overlap", [w["name"] for w in self.run_json(UNLATCH, "check", self.write(mended))["warnings"]])
 
-    def test_rows_that_drift_are_told(self):
+    def test_rows_that_drift_are_reported(self):
         wild = LINKAGE.replace("700", "1400").replace("1400]", "2800]").replace("until: 0.05", "until: 0.02")
         notices = {n["name"]: n for n in json.loads(call(UNLATCH, "run", self.write(wild), "--json", "-").stdout)["notices"]}
         self.assertIn("accuracy.drift", notices)
@@ -323,7 +323,7 @@ bodies:
         shown = self.run_ok(UNLATCH, "run", self.write(text), "--accuracy", "1e-3").stdout
         self.assertIn("an error of the attitude of top at the start turns top 202 times as far at the end", shown)
 
-    def test_usage_is_told(self):
+    def test_usage_is_reported(self):
         scenario = SCENARIOS / "tree3/reference.yaml"
         self.assertEqual(call(UNLATCH, "run", scenario, "--accuracy", "2").returncode, 2)
         table = self.run_ok(UNLATCH, "run", scenario, "--until", "0.1", "--accuracy").stdout

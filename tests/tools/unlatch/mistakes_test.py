@@ -64,7 +64,7 @@ class MistakesTest(ProcessTest):
         self.assertEqual(done.stdout.split(), ["code", "3", "code", "3", "old", "old.html"], done.stderr)
         self.assertIn("No space left", done.stderr)
 
-    def test_outputs_that_cannot_be_made_are_told_before_the_run(self):
+    def test_outputs_that_cannot_be_made_are_reported_before_the_run(self):
         log = self.folder / "run.log"
         for option in ("--json", "--log", "--junit"):
             said = self.refuse("run", REFERENCE, "--until", "100000", option, self.folder / "none/x", code=3)
@@ -153,7 +153,7 @@ class MistakesTest(ProcessTest):
         self.assertEqual(done.returncode, 2)
         self.assertIn("it cannot be opened: Permission denied", done.stderr)
 
-    def test_a_cyclic_include_is_the_only_mistake_told(self):
+    def test_a_cyclic_include_is_the_only_mistake_reported(self):
         main_file = self.write("a.yaml", "unlatch: 1\nname: a\ninclude: b.yaml\n")
         self.write("b.yaml", "unlatch_part: 1\ninclude: a.yaml\n")
         said = self.refuse("check", main_file).splitlines()
@@ -268,7 +268,7 @@ class MistakesTest(ProcessTest):
         said = self.refuse("check", wrong, "--set", "step.until=4")
         self.assertRegex(said, r"wrong\.yaml:\d+:\d+: body 'satellite': its mass is -500 kg")
 
-    def test_times_before_and_after_the_run_are_told(self):
+    def test_times_before_and_after_the_run_are_reported(self):
         early = self.change("early.yaml", ("{time: 1 s}", "{time: -1 s}"))
         self.assertIn("this time is before the run, which begins at 0 s; 0 s or later", self.refuse("check", early))
         late = self.change("late.yaml", ("{time: 1 s}", "{time: 50 s}"))

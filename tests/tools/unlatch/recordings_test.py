@@ -184,7 +184,7 @@ class RecordingsTest(ProcessTest):
 
     # --- diff ---------------------------------------------------------------------------------------------------
 
-    def test_diff_tells_scripts_and_people(self):
+    def test_diff_answers_scripts_and_people(self):
         a, b = self.folder / "a.log", self.folder / "b.log"
         self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.2", "--log", a)
         self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.2", "--log", b)

@@ -557,7 +557,7 @@ bodies: {box: {mass: 1, inertia: [1, 1, 1], position: [side, twice + 1 mm, 0]}}
         self.assertEqual([(v["id"], v["met"], v["resolved"]) for v in report["verdict"]],
                          [("slow", False, False), ("linked", False, False), ("alone", True, True), ("early", True, True)])
 
-    def test_check_tells_which_cannot_be_evaluated(self):
+    def test_check_lists_which_cannot_be_evaluated(self):
         path = self.write(SCENARIO + MISSED)
         checked = self.run_json(UNLATCH, "check", path)
         problems = {entry["id"]: [problem["what"] for problem in entry["problems"]] for entry in checked["requirements"]}
@@ -565,7 +565,7 @@ bodies: {box: {mass: 1, inertia: [1, 1, 1], position: [side, twice + 1 mm, 0]}}
                                     "waits": ["event 'never' cannot come before 9 s; the run ends at 1 s"]})
         self.assertIn("cannot be evaluated", self.run_ok(UNLATCH, "check", path).stdout)
 
-    def test_check_tells_which_hold_in_every_run(self):
+    def test_check_lists_which_hold_in_every_run(self):
         more = ("requirements:\n"
                 "  - {id: size, rate: {body: BODY}, at_least: 0}\n"
                 "  - {id: axes, axes: {body: BODY, axis: [1, 0, 0], other: [0, 1, 0]}, range: [0, 180 deg]}\n"

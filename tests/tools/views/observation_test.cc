@@ -76,8 +76,8 @@ TEST_F(Watching, FollowsOneSessionUntilItIsSilent) {
   EXPECT_TRUE(has_notice("now follows"));
 }
 
-TEST_F(Watching, OthersAreToldOnceEachAndInventedOnesDoNotFillTheNotices) {
-  const auto count_told = [this] {
+TEST_F(Watching, OthersAreReportedOnceEachAndInventedOnesDoNotFillTheNotices) {
+  const auto count_reported = [this] {
     const auto& notices = look().notices;
     return std::count_if(notices.begin(), notices.end(),
                          [](const auto& notice) { return notice.text.find("another simulator") != std::string::npos; });
@@ -87,9 +87,9 @@ TEST_F(Watching, OthersAreToldOnceEachAndInventedOnesDoNotFillTheNotices) {
   for (int round = 0; round < 5; ++round) {
     for (const std::int64_t other : {8, 9}) hear_hello(other);
   }
-  EXPECT_EQ(count_told(), 2);
+  EXPECT_EQ(count_reported(), 2);
   for (int other = 100; other < 1000; ++other) hear_hello(other);
-  EXPECT_EQ(count_told(), 8);
+  EXPECT_EQ(count_reported(), 8);
 }
 
 TEST_F(Watching, AFloodOfOneNoticePushesOutNoOther) {

@@ -168,7 +168,7 @@ class ReportTest(ProcessTest):
     def get_card(self, title):
         return f"unlatchReport.plots.cards.find((card) => card.group.title === '{title}')"
 
-    def test_the_largest_of_many_curves_are_drawn_and_the_others_told(self):
+    def test_the_largest_of_many_curves_are_drawn_and_the_others_reported(self):
         self.open(self.build_many())
         card = self.get_card("Reaction forces")
         shown = self.ask(f"{card}.plot.series.slice(1).filter((series) => series.show).map((series) => series.label)")
@@ -316,7 +316,7 @@ class ReportTest(ProcessTest):
         self.assertLess(self.ask(f"{card}.plot.scales.y.max"), 2)
         self.assert_silent()
 
-    def test_curves_that_lie_on_one_another_and_those_of_two_runs_are_told_apart(self):
+    def test_curves_that_lie_on_one_another_and_those_of_two_runs_are_distinguished(self):
         logs = [self.record(name, "run", SCENARIOS / "boosters/cyclogram.yaml", "--set", f"bodies.core.mass={mass}")
                 for name, mass in (("a", 98500), ("b", 99000))]
         self.open(*logs)

@@ -120,7 +120,7 @@ class WatchTest(ProcessTest):
             seen = dict(zip(("x", "y", "z", "rot_x", "rot_y", "rot_z"), look["joints"][joint]["reaction"]))
             self.assertEqual([seen[row] for row in reaction["rows"]], reaction["lambda"])
 
-    def test_a_killed_simulator_is_told_and_the_next_one_followed(self):
+    def test_a_killed_simulator_is_reported_and_the_next_one_followed(self):
         lines = self.watch("--transport", "dds")
         first = self.fly("dds")
         before = self.find(lines, lambda look: look["status"] == "running" and look["tick"] > 100)

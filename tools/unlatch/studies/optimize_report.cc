@@ -21,7 +21,7 @@ using hil::OptimizeSample;
 using hil::OptimizeVariable;
 
 void print_check(std::FILE* to, const OptimizeReport& report, std::size_t constraint) {
-  constexpr const char* kTold[] = {"met", "neither confirmed nor refuted", "NOT MET"};
+  constexpr const char* kVerdictTexts[] = {"met", "neither confirmed nor refuted", "NOT MET"};
   const auto& check = *find_check(report, constraint);
   const hil::DispersedCheck& all = *report.result.check;
   const std::string unresolved =
@@ -30,7 +30,7 @@ void print_check(std::FILE* to, const OptimizeReport& report, std::size_t constr
                "  %-16s %lld of %s fail%s: probability of failure %.4f to %.4f (95 %%), at most %.4g is allowed: %s\n",
                report.problem.constraints[constraint].name.c_str(), static_cast<long long>(check.failed),
                count(all.samples, "other sample").c_str(), unresolved.c_str(), check.bounds.low, check.bounds.high,
-               get_allowed(report, constraint), kTold[static_cast<std::size_t>(check.verdict)]);
+               get_allowed(report, constraint), kVerdictTexts[static_cast<std::size_t>(check.verdict)]);
 }
 
 void print_verification(std::FILE* to, const OptimizeReport& report) {
