@@ -166,9 +166,10 @@ name: twist
 step: {dt: 1 ms, until: 1}
 bodies:
   a: {mass: 10, inertia: [1, 1.2, 1.5], rate: [0.3, -0.2, 0.4]}
-  b: {mass: 1, inertia: [0.03, 0.18, 0.2], position: [1, 0, 0], )") + motion + R"(}
+  b: {mass: 1, inertia: [0.03, 0.18, 0.2], position: [1, 0, 0], )") +
+                       motion + R"(}
 joints:
-  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )") +
+  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {m: )" +
                        mode + "}}\nsensors:\n";
     for (const std::string axis : {"x", "y", "z"})
       text += "  angle" + axis + ": {type: angle, joint: j, axis: " + axis + "}\n  speed" + axis +

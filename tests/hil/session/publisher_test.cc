@@ -55,10 +55,10 @@ TEST_F(PublisherTest, ANoticeIsOfThisTickAndAnOverrunOfTheStepBefore) {
   EXPECT_EQ(late.sequence, 1);
   EXPECT_EQ(hil::get_name(late.name), "overrun.rehearsal") << "the name on the wire stays";
   EXPECT_EQ(hil::get_name(late.subject).substr(0, 12), "1204 us late");
-  hil::EventMessage notice;
-  EXPECT_TRUE(publisher_.take_notice(notice));
-  EXPECT_EQ(hil::get_name(notice.subject), "fsw");
-  EXPECT_FALSE(publisher_.take_notice(notice)) << "overruns are too many to be reported one by one";
+  hil::EventMessage announced;
+  EXPECT_TRUE(publisher_.take_notice(announced));
+  EXPECT_EQ(hil::get_name(announced.subject), "fsw");
+  EXPECT_FALSE(publisher_.take_notice(announced)) << "overruns are too many to be reported one by one";
 }
 
 TEST_F(PublisherTest, VerdictsAreLimitedWithinATick) {

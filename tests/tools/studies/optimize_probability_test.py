@@ -247,7 +247,7 @@ class OptimizeProbabilityTest(OptimizeCase):
                                "constraints: [{requirement: far, probability: 0.6}]\n", "worse", code=1)
         self.assertIn(result["status"], ("infeasible", "refuted"))  # the others show it, whatever the ten say
 
-    def test_a_probability_that_other_samples_confirm_is_told_so_and_one_without_a_check_too(self):
+    def test_a_probability_that_other_samples_confirm_is_said_to_be_met_and_one_without_a_check_too(self):
         self.write_campaign(20)
         text = CATALOGUE + "campaign: {file: c.yaml, samples: 20, checks: 200}\nconstraints: [{requirement: far, probability: 0.9}]\n"
         result = self.optimize(text, "o")  # the next larger push of the catalogue is far from the limit
@@ -274,7 +274,7 @@ class OptimizeProbabilityTest(OptimizeCase):
         for file in "result.json", "history.csv":
             self.assertEqual((self.folder / "o1" / file).read_bytes(), (self.folder / "o3" / file).read_bytes())
 
-    def test_infeasibility_is_told_by_every_method_that_has_converged_to_the_least_violation(self):
+    def test_infeasibility_is_reported_by_every_method_that_has_converged_to_the_least_violation(self):
         narrow = PROBLEM.replace("5 N", "1 N")
         front = narrow.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]")
         catalogue = CATALOGUE.replace("[0 N, 1 N, 2 N, 3 N]", "[0 N, 1 N]")  # all combinations are tried
@@ -283,7 +283,7 @@ class OptimizeProbabilityTest(OptimizeCase):
             self.assertEqual(result["status"], "infeasible", text)
             self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
 
-    def test_mistakes_of_probabilities_are_told(self):
+    def test_mistakes_of_probabilities_are_reported(self):
         (self.folder / "c.yaml").write_text(
             "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 20\n"
             "parameters: {m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}}\n")

@@ -66,7 +66,7 @@ class OptimizeShippedTest(OptimizeCase):
         self.assertLess(found["missed"], 0.02)  # of the objectives' ranges
         self.assertGreater(found["gained"], 0)
 
-    def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
+    def test_dead_nozzle_is_reported_as_what_no_design_makes_good(self):
         result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 600, code=1)
         self.assertEqual(result["status"], "infeasible")
         self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # constraints of the booster whose nozzle is dead
