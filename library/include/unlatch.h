@@ -252,7 +252,8 @@ UNLATCH_API unlatch_status unlatch_judge(unlatch_simulation* simulation, const u
 
 /* How well the value of a verdict is known. */
 typedef struct unlatch_certainty {
-  double uncertainty; /* in the requirement's unit: how far an extreme between steps may be wrong, at most; else 0 */
+  double uncertainty; /* in the requirement's unit: how far the value may be wrong, between steps and by their errors;
+                         infinity: not known, since the step does not resolve what it depends on */
   int32_t at_ticks;   /* 1: the value is that of a tick or an event, and may be beyond it in between; else 0 */
 } unlatch_certainty;
 

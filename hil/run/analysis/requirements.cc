@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "hil/run/analysis/assemblies.h"
@@ -9,6 +10,7 @@
 #include "hil/run/extremes/straight_quantity.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/contacts.h"
 #include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"
 
@@ -214,14 +216,55 @@ FinerSource RequirementMonitor::get_finer(const Track& track) const {
   return {.steps = finer_.get(), .count = track.judged ? FinerSteps::Count::kNo : FinerSteps::Count::kYes};
 }
 
-// Values of a requirement in steps that are taken again.
+// Distances of two surfaces between two knots, at interpolated poses.
+class DistanceBetween {
+ public:
+  static constexpr int kParts = 16;
+
+  DistanceBetween(const Plan& plan, const unlatch::Quantity& quantity)
+      : plan_(plan),
+        quantity_(quantity),
+        block_(plan.get_state_bytes() / sizeof(std::uint64_t)),
+        state_(plan, std::as_writable_bytes(std::span(block_))) {}
+
+  double calc(const MotionKnot& from, const MotionKnot& to, double time) {
+    const MotionPiece piece{from.time,          to.time,         from.state.bodies, to.state.bodies,
+                            from.accelerations, to.accelerations};
+    std::memcpy(block_.data(), from.state.get_bytes().data(), from.state.get_bytes().size());
+    for (std::size_t b = 0; b < state_.bodies.size(); ++b) state_.bodies[b] = piece.calc_body(b, time);
+    return calc_shape_distance(plan_, state_, quantity_.subject, quantity_.other).least.distance;
+  }
+
+ private:
+  const Plan& plan_;
+  const unlatch::Quantity quantity_;
+  std::vector<std::uint64_t> block_;
+  State state_;
+};
+
+// Values of a requirement in steps that are taken again; of a distance, between their knots too: two spheres that pass
+// near each other may do so within one of the shorter steps.
 class RequirementMonitor::FinerOfTrack final : public FinerValues {
  public:
   FinerOfTrack(const RequirementMonitor& monitor, const Track& track) : monitor_(monitor), track_(track) {}
   std::span<const ValueKnot> list(double from, double to) override {
     values_.clear();
-    for (const std::unique_ptr<FinerKnot>& own : monitor_.get_finer(track_).take(from, to).knots)
+    const Model& model = monitor_.scenario_.model;
+    const Requirement& r = *track_.requirement;
+    const std::optional<unlatch::Quantity> of = r.received ? std::nullopt : find_quantity(model, r);
+    std::optional<DistanceBetween> distance;
+    if (of && of->kind == unlatch::Quantity::Kind::kClearance) distance.emplace(monitor_.simulation_.plan(), *of);
+    const FinerKnot* before = nullptr;
+    for (const std::unique_ptr<FinerKnot>& own : monitor_.get_finer(track_).take(from, to).knots) {
+      if (distance && before != nullptr && !own->begins)
+        for (int i = 1; i < DistanceBetween::kParts; ++i) {
+          const double part = static_cast<double>(i) / DistanceBetween::kParts;
+          const double time = before->knot.time + part * (own->knot.time - before->knot.time);
+          values_.push_back({time, distance->calc(before->knot, own->knot, time), false});
+        }
       values_.push_back({own->knot.time, to_smooth(track_.part, monitor_.calc_sample(track_, own->knot)), own->begins});
+      before = own.get();
+    }
     return values_;
   }
 

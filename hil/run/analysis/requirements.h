@@ -33,8 +33,10 @@ struct Verdict {
   // Of a reaction: a blow in the interval, whose impulse in the joint is no force; infinity: none. s
   double blow = std::numeric_limits<double>::infinity();
   [[nodiscard]] bool leaves_out_blow() const { return blow < std::numeric_limits<double>::infinity(); }
-  // How far the value may be wrong, at most, of an extreme of what is known at knots alone: extreme_bounds.h.
+  // How far the value may be wrong: between knots (extreme_bounds.h), and by the errors of the steps
+  // (step_uncertainty.h). Infinity: not known, since the step does not resolve what the value depends on.
   double uncertainty = 0;
+  [[nodiscard]] bool is_error_known() const { return uncertainty < std::numeric_limits<double>::infinity(); }
   // The value is that of a tick or an event, and may be beyond it in between: new commands came, or other events, at
   // both ends of the step, and it was not taken again (finer_steps.h).
   bool at_ticks = false;

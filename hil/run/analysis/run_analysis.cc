@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/run/analysis/extreme_verdict.h"
 #include "hil/run/analysis/step_uncertainty.h"
 #include "hil/run/audit/step_audit.h"
 #include "hil/run/notices/format.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 
@@ -103,7 +105,10 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
     switched = switched || is_switched(from, to);
     contacts_.add_events(from, to);
     std::size_t count = 0;
-    while (count < events.size() && events[count].time == to.time) add_event(events[count++], from, to);
+    while (count < events.size() && events[count].time == to.time) {
+      const bool has_piece = i > 1 && !from.begins;
+      add_event(events[count++], has_piece ? &knots[i - 2] : nullptr, from, to);
+    }
     separations_.add_events(from, to, clearance_);
     requirements_.add_events(events.first(count), from, to);
     events = events.subspan(count);
@@ -125,10 +130,24 @@ std::string RunAnalysis::list_shapes(const Event& event, const MotionKnot& befor
   return text;
 }
 
-void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& before, const MotionKnot& after) {
+namespace {
+
+// The quantity for which an event waits, if it is one, and acts at once.
+std::optional<int> find_awaited(const Event& event) {
+  if (event.when.kind != Condition::Kind::kQuantity || event.delay > 0) return {};
+  return event.when.subject;
+}
+
+}  // namespace
+
+void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot* earlier, const MotionKnot& before,
+                            const MotionKnot& after) {
   const Model& model = scenario_.model;
   const Event& event = model.events[static_cast<std::size_t>(fired.event)];
-  timeline.push_back({fired.time, event.name, event.subject, list_shapes(event, before, after)});
+  double rate = 0;
+  if (const auto awaited = find_awaited(event); awaited && earlier != nullptr && before.time > earlier->time)
+    rate = (before.quantities[at(*awaited)] - earlier->quantities[at(*awaited)]) / (before.time - earlier->time);
+  timeline.push_back({fired.time, event.name, event.subject, list_shapes(event, before, after), fired.event, rate});
   for (const Action& action : event.then) {
     if (action.kind != Action::Kind::kSetMode) continue;
     const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];
@@ -170,6 +189,29 @@ bool is_unknown(const Verdict& verdict) {
 
 }  // namespace
 
+double RunAnalysis::calc_time_uncertainty(const TimelineEntry& entry) const {
+  if (entry.event == kNone || entry.rate == 0) return 0;
+  const std::optional<int> awaited = find_awaited(scenario_.model.events[at(entry.event)]);
+  if (!awaited) return 0;
+  const unlatch::Quantity& quantity = scenario_.model.quantities[at(*awaited)];
+  Requirement requirement;
+  requirement.quantity = Requirement::Measure::kQuantity;
+  requirement.a = *awaited;
+  requirement.unit = get_unit(scenario_.model, quantity);
+  const double threshold = scenario_.model.events[at(entry.event)].when.threshold;
+  return calc_step_uncertainty(scenario_.model, requirement, threshold, entry.time, accuracy_.get_steps()) /
+         std::abs(entry.rate);
+}
+
+double RunAnalysis::calc_time_uncertainty(const Requirement& requirement) const {
+  double sum = 0;
+  for (const EventName& instant : requirement.events) {
+    const auto entry = std::ranges::find(timeline, instant.event, &TimelineEntry::event);
+    if (instant.event != kNone && entry != timeline.end()) sum += calc_time_uncertainty(*entry);
+  }
+  return sum;
+}
+
 std::vector<Verdict> RunAnalysis::judge() const {
   std::vector<Verdict> verdicts = requirements_.judge(window_);
   const UnresolvedBodies unresolved = accuracy_.get_unresolved();
@@ -181,13 +223,18 @@ std::vector<Verdict> RunAnalysis::judge() const {
     const bool is_instant = verdict.evaluated && (requirement.at.is_named() || requirement.is_of_events());
     const double until = is_instant ? verdict.time : requirements_.get_end(verdict.requirement);
     std::string cause = unresolved.find_cause(requirement, until, verdict.evaluated ? verdict.time : HUGE_VAL);
+    // What is not resolved may be wrong by any amount: what steps or polynomials show is no bound.
+    if (!cause.empty() && verdict.evaluated) verdict.uncertainty = std::numeric_limits<double>::infinity();
     if (cause.empty() && verdict.evaluated && verdict.is_resolved() && !requirement.is_of_events())
       if (const double part = calc_doubtful_part(verdict); part < StepAudit::kLimit && largest > part)
         cause = accuracy_.get_doubtful(part).find_cause(requirement, until, verdict.time);
     if (!cause.empty()) verdict.unresolved = std::move(cause);
-    if (!verdict.evaluated || requirement.is_of_events()) continue;
+    if (!verdict.evaluated || !verdict.is_error_known() || requirement.quantity == Requirement::Measure::kOrder)
+      continue;
     const double of_steps =
-        calc_step_uncertainty(scenario_.model, requirement, verdict.value, until, accuracy_.get_steps());
+        requirement.is_of_events()
+            ? calc_time_uncertainty(requirement)
+            : calc_step_uncertainty(scenario_.model, requirement, verdict.value, until, accuracy_.get_steps());
     // Of errors of the steps that are large, whatever the limit, accuracy_ has decided above.
     if (of_steps > Verdict::kExact * std::abs(verdict.value)) {
       verdict.uncertainty += of_steps;

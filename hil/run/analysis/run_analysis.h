@@ -31,6 +31,9 @@ struct TimelineEntry {
   double time = 0;  // s
   std::string name, subject;
   std::string shapes = {};  // of the touch or lift of a contact: the pairs of shapes that close or open
+  int event = kNone;        // of the model
+  double rate = 0;  // at which the quantity that it waits for passed its threshold, in its unit per s; 0: unknown
+  static constexpr double kKnown = 1e-6;  // s: less is no uncertainty worth a word
 };
 
 // Release of a body: its state at the instant at which a joint to it became free.
@@ -79,6 +82,9 @@ class RunAnalysis {
   [[nodiscard]] std::vector<ContactRecord> list_contacts() const { return contacts_.list(); }
   // Present value of requirement number i, see RequirementMonitor::get_now().
   [[nodiscard]] double get_requirement_now(std::size_t i) const { return requirements_.get_now(i); }
+  // How far the time of an event may be wrong by the errors of the steps, s: those of the quantity that it waits for,
+  // over its rate there. 0 where it waits for anything else.
+  [[nodiscard]] double calc_time_uncertainty(const TimelineEntry& entry) const;
   const NoticeWatch& accuracy() const { return accuracy_; }  // notices; energy only if requested
   SearchTotals search;
 
@@ -86,7 +92,9 @@ class RunAnalysis {
   void add_received(std::span<const LogReceived> received);
   void add_motion(std::span<const FiredEvent> events);
   [[nodiscard]] std::string list_shapes(const Event& event, const MotionKnot& before, const MotionKnot& after) const;
-  void add_event(const FiredEvent& fired, const MotionKnot& before, const MotionKnot& after);
+  // `earlier`: the knot at which the piece before began, if there is one.
+  void add_event(const FiredEvent& fired, const MotionKnot* earlier, const MotionKnot& before, const MotionKnot& after);
+  [[nodiscard]] double calc_time_uncertainty(const Requirement& requirement) const;
   void update_shared(const StepReport& report);
 
   const Scenario& scenario_;

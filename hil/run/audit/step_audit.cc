@@ -221,6 +221,22 @@ void StepAudit::add_error(Course& course, const std::array<double, kMotionParts>
   for (std::size_t i = 0; i < errors.size(); ++i) {
     course.error[i] += errors[i] + between * std::min(errors[i], course.latest[i]);
     course.latest[i] = errors[i];
+  }
+  judge(course, between);
+}
+
+void StepAudit::add_feedback(int body, const std::array<double, kMotionParts>& errors, double rate) {
+  Course& course = courses_[at(body)];
+  const bool compared = latest_ == simulation_.get_tick() - 1;
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    course.error[i] += compared ? std::max(errors[i] - course.latest[i], 0.0) : errors[i];
+  course.feedback = std::max(course.feedback, rate);
+  judge(course, 0);
+}
+
+// `between`: ticks since the step before that was looked at, beside the latest.
+void StepAudit::judge(Course& course, double between) {
+  for (std::size_t i = 0; i < course.error.size(); ++i) {
     const double change = course.get_change(i);
     if (course.error[i] > kCalm * change) calm_ = false;
     if (course.error[i] <= kLimit * change) {

@@ -69,6 +69,12 @@ class StepAudit {
   // Called after the initial state (a default report), and after each step. The step if it was taken again.
   std::optional<Repeated> update(const StepReport& report);
 
+  // Adds errors that the latest step made in a body's motion, found by other means, where they are larger than what its
+  // halves showed, if it was taken again. `rate`: of the feedback that made them, 1/s.
+  void add_feedback(int body, const std::array<double, kMotionParts>& errors, double rate);
+  // The largest such rate of a body so far, 1/s; 0: none.
+  [[nodiscard]] double get_feedback(int body) const { return courses_[static_cast<std::size_t>(body)].feedback; }
+
   // Bodies whose motion the step does not resolve, each with the part that is worst.
   [[nodiscard]] std::vector<StepError> list_unresolved() const;
   // Bodies that were not resolved for a while, and have moved so much more since that they are: values of that while
@@ -119,8 +125,9 @@ class StepAudit {
     BodyState start;
     Pace v, w;
     std::array<double, kMotionParts> squared_change{}, error{}, latest{}, since = make_never(), from = make_never();
-    StepError passed{};                                       // `until` is kNever if there was none
-    std::vector<Mark> marks{};                                // in their order
+    double feedback = 0;        // 1/s: the largest rate of one that a step did not resolve
+    StepError passed{};         // `until` is kNever if there was none
+    std::vector<Mark> marks{};  // in their order
     [[nodiscard]] double get_change(std::size_t part) const;  // at least that of a body at rest
   };
   // Plan of half the step, and memory to step with it.
@@ -145,6 +152,7 @@ class StepAudit {
   bool repeat(const StepReport& report);
   double compare(std::int64_t tick);
   void add_error(Course& course, const std::array<double, kMotionParts>& errors, double between);
+  void judge(Course& course, double between);
   void add_passed(Course& course, std::size_t part) const;
   void mark(Course& course) const;
   [[nodiscard]] static BodyErrors get_errors(const Course& course);

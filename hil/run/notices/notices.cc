@@ -39,6 +39,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       dt_(simulation.plan().get_options().dt),
       steps_(std::make_unique<StepAudit>(simulation)),
       implicit_(simulation),
+      feedback_(simulation),
       unresolved_(scenario.model),
       links_(scenario.model),
       turning_(scenario.model.bodies.size()),
@@ -120,6 +121,7 @@ void NoticeWatch::update(const StepReport& report) {
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
+  watch_feedback();
   implicit_.update();
   if (repeated) implicit_.compare(repeated->plan, repeated->state, repeated->workspace, repeated->between);
   watch_tables();
@@ -173,6 +175,7 @@ void NoticeWatch::watch_springs() {
   const std::vector<ElementFrequency> frequencies =
       calc_frequencies(simulation_.plan(), simulation_.state(), workspace_);
   implicit_.set_rates(frequencies);
+  feedback_.set_rates(frequencies);
   for (const ElementFrequency& e : frequencies) {
     const auto i = static_cast<std::size_t>(e.element);
     const ElementState& state = simulation_.state().elements[i];

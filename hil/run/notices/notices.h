@@ -34,7 +34,8 @@
 //   beside*    a pusher with a guide pushes a follower whose point is farther beside the guide than the stroke is long:
 //              it has come back, but not onto the pusher
 //   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
-//   step*      a body whose motion the step does not resolve, as steps of half the length show (step_audit.h)
+//   step*      a body whose motion the step does not resolve, as steps of half the length show (step_audit.h), or the
+//              derivative of its forces along what was flown (feedback_audit.h)
 #pragma once
 
 #include <cstddef>
@@ -52,6 +53,7 @@
 #include "hil/run/audit/unseen_engagements.h"
 #include "hil/run/motion/unseen_clearances.h"
 #include "hil/run/notices/cell_watch.h"
+#include "hil/run/notices/feedback_audit.h"
 #include "hil/run/notices/implicit_audit.h"
 #include "hil/run/notices/profile_watch.h"
 #include "hil/scenario/scenario.h"
@@ -127,6 +129,7 @@ class NoticeWatch {
   void watch_tables();
   void watch_cells(const StepReport& step);
   void watch_laws();
+  void watch_feedback();
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_jumps();
@@ -150,6 +153,7 @@ class NoticeWatch {
   const double dt_;
   const std::unique_ptr<StepAudit> steps_;
   ImplicitAudit implicit_;
+  FeedbackAudit feedback_;
   std::optional<EnergyAudit> audit_;
   std::vector<RunNotice> notices_;
   UnresolvedBodies unresolved_;

@@ -1,5 +1,5 @@
-// What is known at the end of a run, or so far: the audit of the step, that of implicit springs and modes, and laws
-// that rise until then.
+// Tables and laws: where they are left, and what the steps pass over. And what is known at the end of a run, or so far:
+// the audit of the step, that of implicit springs and modes, and laws that rise until then.
 #include <algorithm>
 
 #include "hil/run/audit/dependence.h"
@@ -11,6 +11,7 @@
 #include "hil/run/notices/resolution.h"
 #include "hil/run/notices/table_exit.h"
 #include "hil/scenario/base/index.h"
+#include "unlatch/model/law_places.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -32,11 +33,66 @@ constexpr PartName kPartNames[kMotionParts] = {
 
 std::string NoticeWatch::describe(const StepError& error) const {
   const PartName part = kPartNames[static_cast<int>(error.part)];
+  if (const double rate = steps_->get_feedback(error.body); rate > 0)
+    return format(
+        "the steps make an error of some %.2g %s in its %s, which changed by %.3g %s: its forces depend on its motion, "
+        "and that feedback is not resolved (h times its rate is %.3g); a step of %.3g s resolves it",
+        error.error, part.unit, part.name, error.change, part.unit, dt_ * rate, kRoundedDown * kAccurate / rate);
   return format(
       "the steps make an error of some %.2g %s in its %s, which changed by %.3g %s, as %lld of %lld steps show "
       "that were taken again as two halves: a smaller step would do",
       error.error, part.unit, part.name, error.change, part.unit, static_cast<long long>(steps_->get_compared()),
       static_cast<long long>(steps_->get_ticks()));
+}
+
+// Tables that are left where this is a notice.
+void NoticeWatch::watch_tables() {
+  const std::span<const TableExit> exits = simulation_.workspace().table_exits;
+  for (std::size_t i = 0; i < exits.size(); ++i) {
+    const TableExit& exit = exits[i];
+    if (exit.axis == kNone || exit.end != TableAxis::End::kNotice) continue;
+    const Table& table = scenario_.model.tables[i];
+    const std::vector<double>& knots = table.axes[at(exit.axis)].knots;
+    const double beyond = std::max(knots.front() - exit.value, exit.value - knots.back());
+    report(left_[i], "table", table.name, beyond / (knots.back() - knots.front()),
+           [&] { return describe_exit(table, exit) + ": the value at the end holds"; });
+  }
+}
+
+// Tables that a step skips cells of.
+void NoticeWatch::watch_cells(const StepReport& step) {
+  for (const SkippedCells& skipped : cells_.update(get_law_places(simulation_.workspace()), !step.events.empty())) {
+    const Table& table = scenario_.model.tables[at(skipped.table)];
+    const std::string& axis = table.axes[at(skipped.axis)].name;
+    report(
+        skipped_[at(skipped.table)], "cell", table.name, skipped.cells,
+        [&] {
+          return format(
+              "a step passes %.0f whole cells of its axis %s, from %.4g to %.4g: a smaller step, or a coarser table, "
+              "would do",
+              skipped.cells, axis.empty() ? std::to_string(skipped.axis + 1).c_str() : axis.c_str(), skipped.from,
+              skipped.to);
+        },
+        skipped.bodies);
+  }
+}
+
+// Laws that a step passes over.
+void NoticeWatch::watch_laws() {
+  if (!begun_ || laws_->is_empty()) return;
+  for (const PassedOver& passed : laws_->update(simulation_.get_motion(), simulation_.get_inputs())) {
+    const Law& law = scenario_.model.laws[at(passed.law)];
+    report(
+        passed_over_[at(passed.law)], "law", law.name, passed.error, [&] { return hil::describe(law, passed); },
+        passed.bodies);
+  }
+}
+
+// Errors of the steps that their halves do not show.
+void NoticeWatch::watch_feedback() {
+  if (!begun_) return;
+  for (const FeedbackError& error : feedback_.update(workspace_))
+    steps_->add_feedback(error.body, error.error, error.rate);
 }
 
 const std::string& NoticeWatch::get_subject(const ImplicitError& error) const {

@@ -75,6 +75,7 @@ void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& 
     finish_plan(top);
     read_tolerance(top);
     read_outputs(top);
+    refuse_names_of_results();
     read_subset(top);
     read_table(top);
     const Sampling sampling = campaign_.plan.sampling;
@@ -184,6 +185,22 @@ void CampaignReader::read_parameters(YamlMap& top) {
   if (node->is_mapping() && node->keys.empty())
     mistakes_.add(node->mark, "nothing varies",
                   "add `NAME: {path: bodies.core.mass, normal: {mean: nominal, sigma: 1 %}}`");
+}
+
+// Refuses parameters whose column of the table, or of the statistics, could not be told from that of a result.
+void CampaignReader::refuse_names_of_results() {
+  std::set<std::string> results;
+  for (const ResultColumn& column : list_columns(campaign_.tree->get_nominal(), campaign_.chosen))
+    results.insert(column.name);
+  std::set<std::string> told;
+  for (const CampaignParameter& parameter : campaign_.parameters)
+    for (const InputColumn& input : list_inputs(parameter))
+      if (results.contains(input.name) && told.insert(parameter.name).second)
+        mistakes_.add(parameter.mark,
+                      "'" + input.name +
+                          "' is a result of the scenario, such as a requirement, too: the table would "
+                          "have two columns of this name",
+                      "give the parameter another name");
 }
 
 namespace {

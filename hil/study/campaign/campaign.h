@@ -86,6 +86,7 @@ struct InputColumn {
   std::optional<WrittenUnit> shown{};
   bool is_category = false;  // an index of things in no order
 };
+std::vector<InputColumn> list_inputs(const CampaignParameter& parameter);
 std::vector<InputColumn> list_inputs(const Campaign& campaign);
 
 // Unit in which the campaign's scenario gives the limits of a requirement, or a constant that is one.

@@ -33,14 +33,18 @@ const YamlNode& get_choice(const CampaignParameter& parameter, std::size_t path,
 
 }  // namespace
 
+std::vector<InputColumn> list_inputs(const CampaignParameter& parameter) {
+  if (!parameter.distribution.is_cone())
+    return {{parameter.name, parameter.unit, parameter.shown, !parameter.choices.empty()}};
+  std::vector<InputColumn> columns;
+  for (const char* axis : {".x", ".y", ".z"}) columns.push_back({parameter.name + axis, ""});
+  return columns;
+}
+
 std::vector<InputColumn> list_inputs(const Campaign& campaign) {
   std::vector<InputColumn> columns;
-  for (const CampaignParameter& parameter : campaign.parameters) {
-    if (parameter.distribution.is_cone())
-      for (const char* axis : {".x", ".y", ".z"}) columns.push_back({parameter.name + axis, ""});
-    else
-      columns.push_back({parameter.name, parameter.unit, parameter.shown, !parameter.choices.empty()});
-  }
+  for (const CampaignParameter& parameter : campaign.parameters)
+    for (const InputColumn& column : list_inputs(parameter)) columns.push_back(column);
   return columns;
 }
 

@@ -33,6 +33,7 @@ class CampaignReader {
   void read_parameters(YamlMap& top);
   void read_parameter(const std::string& name, const YamlNode& node);
   [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path);
+  void refuse_names_of_results();
   void refuse_plain_numbers(const CampaignParameter& parameter, const Reading& reading);
   void read_correlations(YamlMap& top);
   void read_table(YamlMap& top);

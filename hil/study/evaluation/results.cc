@@ -76,7 +76,8 @@ struct Results {
         return kNone;
       case Kind::kUncertainty:
         for (const Verdict& verdict : verdicts)
-          if (verdict.requirement == column.index && verdict.is_uncertain()) return verdict.uncertainty;
+          if (verdict.requirement == column.index && verdict.is_uncertain() && verdict.is_error_known())
+            return verdict.uncertainty;
         return kNone;
       case Kind::kEvent: {
         const auto found = events.find(get_event_name(scenario.model.events[column.index]));

@@ -76,8 +76,8 @@ class Number(NamedTuple):
 
 class Verdict(NamedTuple):
     """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: the reason if not evaluated.
-    uncertainty: how far it may be wrong, between steps and by their errors, in `unit`. at_ticks: the value is that of a tick or an
-    event, and may be beyond it in between."""
+    uncertainty: how far it may be wrong, between steps and by their errors, in `unit`; inf: not known, since the step does not resolve what it
+    depends on. at_ticks: the value is that of a tick or an event, and may be beyond it in between."""
 
     id: str
     unit: str

@@ -202,6 +202,21 @@ TEST_F(CampaignFileTest, AllMistakesAreToldAtOnceWithTheirPlaces) {
     EXPECT_THAT(errors, HasSubstr(part));
 }
 
+// The table had two equal columns, of which statistics and plots took one.
+TEST_F(CampaignFileTest, AParameterThatIsNamedLikeAResultIsAMistake) {
+  const std::string mass = ": {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
+  const Campaign good = load("samples: 3\nparameters:\n  m" + mass);
+  const std::vector<hil::ResultColumn> results = list_columns(good.tree->get_nominal(), good.chosen);
+  ASSERT_FALSE(results.empty());
+  std::ofstream(folder_ / "s.yaml")
+      << kGoodScenario << "\nrequirements:\n  - {id: m, velocity: {body: core, along: [1, 0, 0]}, at_most: 9 km/s}\n";
+  const std::string errors = load_errors("samples: 3\nparameters:\n  m" + mass);
+  EXPECT_THAT(errors, HasSubstr("c.yaml:6"));
+  EXPECT_THAT(errors, HasSubstr("'m' is a result of the scenario, such as a requirement, too"));
+  EXPECT_THAT(errors, HasSubstr("give the parameter another name"));
+  EXPECT_EQ(load_errors("samples: 3\nparameters:\n  mass" + mass), "");
+}
+
 TEST_F(CampaignFileTest, AValueThatBecomesUnphysicalIsAMistakeWithItsProbability) {
   const std::string errors =
       load_errors("samples: 10\nparameters:\n  m: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: 50 %}}\n");

@@ -5,7 +5,7 @@ const DEG = 180 / Math.PI;
 const SIZE = { force: '|F|', moment: '|M|' };
 
 const withUnit = (value, unit) => digits(value, 6) + (unit ? ` ${unit}` : '');
-const withError = ({ value, uncertainty, unit }) => withUnit(value, '') + (uncertainty ? ` ± ${digits(uncertainty, 2)}` : '') + (unit ? ` ${unit}` : '');
+const withError = ({ value, uncertainty, unit }) => withUnit(value, '') + (uncertainty ? ` ± ${digits(uncertainty, 2)}` : '') + (unit ? ` ${unit}` : '') + (uncertainty === null ? ' (± not known)' : '');
 
 function describeLimit({ at_least: least, at_most: most, unit }) {
   if (most === null) return `at least ${withUnit(least, unit)}`;

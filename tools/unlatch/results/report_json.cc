@@ -207,6 +207,9 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   for (const auto& entry : report.analysis.timeline) {
     json["events"].push_back({{"t", entry.time}, {"name", entry.name}, {"subject", entry.subject}});
     if (!entry.shapes.empty()) json["events"].back()["shapes"] = entry.shapes;
+    if (const double uncertainty = report.analysis.calc_time_uncertainty(entry);
+        uncertainty > hil::TimelineEntry::kKnown)
+      json["events"].back()["uncertainty"] = uncertainty;
   }
   json["notices"] = Json::array();
   for (const hil::EventMessage& notice : report.notices) {

@@ -43,7 +43,10 @@ void print_timeline(std::FILE* to, const RunReport& report) {
   }
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
     const std::size_t first = group.front(), last = group.back();
-    const std::string shapes = first == last && !entries[first].shapes.empty() ? "  " + entries[first].shapes : "";
+    std::string shapes = first == last && !entries[first].shapes.empty() ? "  " + entries[first].shapes : "";
+    if (const double uncertainty = report.analysis.calc_time_uncertainty(entries[first]);
+        uncertainty > hil::TimelineEntry::kKnown)
+      shapes += format("  ± %.2g s", uncertainty);
     std::fprintf(to, "  %12.6f s  %-20s %s%s\n", entries[first].time,
                  names[first] == names[last] ? names[first].c_str() : name_group(group, names).c_str(),
                  subjects[first] == subjects[last] ? subjects[first].c_str() : name_group(group, subjects).c_str(),

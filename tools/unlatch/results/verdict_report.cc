@@ -29,10 +29,11 @@ std::string describe_value(const hil::Requirement& requirement, const hil::Verdi
   if (!verdict.evaluated) return verdict.why;
   const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
   const double value = drop_rounding(verdict.value, std::min(kFar, std::abs(verdict.margin)));
-  const std::string uncertainty = verdict.is_uncertain() ? format(" ± %.2g", verdict.uncertainty) : "";
-  return to_short_text(value) + uncertainty + unit + " at " + to_short_text(verdict.time) + " s, " +
-         describe_limit(requirement) + ", margin " + to_short_text(verdict.margin) + unit +
-         (verdict.at_ticks ? "; as sampled at ticks and events" : "") +
+  std::string uncertainty;
+  if (verdict.is_uncertain() && verdict.is_error_known()) uncertainty = format(" ± %.2g", verdict.uncertainty);
+  return to_short_text(value) + uncertainty + unit + (verdict.is_error_known() ? "" : " (± not known)") + " at " +
+         to_short_text(verdict.time) + " s, " + describe_limit(requirement) + ", margin " +
+         to_short_text(verdict.margin) + unit + (verdict.at_ticks ? "; as sampled at ticks and events" : "") +
          (verdict.leaves_out_blow() ? "; without the impulse of the blow at " + to_short_text(verdict.blow) + " s"
                                     : "");
 }
@@ -203,7 +204,7 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
       entry["limit"] = verdict.limit;
       entry["margin"] = verdict.margin;
       entry["t"] = verdict.time;
-      if (verdict.is_uncertain()) entry["uncertainty"] = verdict.uncertainty;
+      if (verdict.is_uncertain()) entry["uncertainty"] = number(verdict.uncertainty);
       if (verdict.at_ticks) entry["at_ticks"] = true;
       if (verdict.leaves_out_blow()) entry["without_blow"] = verdict.blow;
     } else {
