@@ -11,6 +11,7 @@
 #include "hil/run/notices/format.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
+#include "hil/scenario/text/count.h"
 #include "unlatch/contacts.h"
 #include "unlatch/geometry.h"
 #include "unlatch/model/law_places.h"
@@ -89,6 +90,25 @@ std::vector<unlatch::Quantity> list_quantities(const Model& model, const Require
 double calc_size(const Model& model, int surface) {
   const geometry::ShapeGroup group = geometry::build_group({}, model.surfaces[at(surface)].shapes);
   return std::isfinite(group.bound) ? group.bound + norm(group.centre) : 0;
+}
+
+// How deep a located touch of a rigid contact between two bodies may be, m.
+double get_touch_error(const Model& model, int a, int b) {
+  constexpr double kLocated = 1e-8;
+  const bool touches = std::ranges::any_of(model.contacts, [&](const Contact& contact) {
+    const int base = model.surfaces[at(contact.base)].body, follower = model.surfaces[at(contact.follower)].body;
+    return contact.rigid && std::minmax(base, follower) == std::minmax(a, b);
+  });
+  return touches ? kLocated : 0;
+}
+
+// Error of a quantity that is a distance, m; else 0.
+double get_error(const Model& model, const Requirement& r) {
+  const std::optional<unlatch::Quantity> of = find_quantity(model, r);
+  if (!of || of->kind != unlatch::Quantity::Kind::kClearance) return 0;
+  const double size = std::max(calc_size(model, of->subject), calc_size(model, of->other));
+  return std::max(ClearanceHistory::kDistanceError * size,
+                  get_touch_error(model, model.surfaces[at(of->subject)].body, model.surfaces[at(of->other)].body));
 }
 
 // Joints whose reactions it is or reads.
@@ -194,7 +214,8 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
     if (quantity == Measure::kClearance) {
       track.pair = requirement.pair;
       track.low = track.high = Smallest(clearances.get_resolution(track.pair));
-      track.tolerance = clearances.get_error(track.pair);
+      track.tolerance =
+          std::max(clearances.get_error(track.pair), get_touch_error(model, requirement.a, requirement.b));
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
@@ -205,10 +226,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
-    if (const auto of = find_quantity(scenario.model, requirement);
-        of && of->kind == unlatch::Quantity::Kind::kClearance && !requirement.received)
-      track.tolerance = ClearanceHistory::kDistanceError *
-                        std::max(calc_size(scenario.model, of->subject), calc_size(scenario.model, of->other));
+    if (!requirement.received) track.tolerance = std::max(track.tolerance, get_error(scenario.model, requirement));
     track.part = find_smooth_part(scenario.model, requirement);
     track.straight = goes_straight(scenario.model, requirement);
     if (!requirement.is_of_events()) {
@@ -652,9 +670,8 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     return verdict;
   }
   if (track.lost) {
-    verdict.why = format(
-        "the state between the events of its instant is not known: they acted in more than %zu rounds within one step",
-        MotionLog::kMostRounds);
+    verdict.why = "the state between the events of its instant is not known: they acted in more than " +
+                  count(MotionLog::kMostRounds, "round") + " within one step";
     return verdict;
   }
   if (!track.has_last) {

@@ -205,7 +205,8 @@ LawCurve::Wide LawCurve::calc_wide(const Interval& interval) {
   for (const Read& read : read_) {
     Course& course = quantities_[at(read.quantity)];
     course = read.calc_course(interval.from, interval.to, 0);
-    const double off = kAside * read.calc_uncertainty(middle);
+    double off = kAside * read.calc_uncertainty(middle);
+    if (read.secants) off = std::max(off, read.calc_uncertainty(read.secants->calc_meeting()));
     const double low = to_smooth(read.part, course.low), high = to_smooth(read.part, course.high);
     is_off = is_off || off > kPart * (high - low);
     course.low = std::min(course.low, from_smooth(read.part, low - off));
@@ -247,6 +248,8 @@ void LawCurve::doubt(const Interval& interval, double sign, Found& found) {
     found.most = std::min(found.most, value + above);
   };
   for (int i = 1; i < kLooks; ++i) look_at(interval.from + i * length / kLooks);
+  for (const Read& read : read_)
+    if (read.secants) look_at(read.secants->calc_meeting());
   const double best = found.value.get_time();
   if (best > interval.from && best < interval.to) look_at(best);
 }

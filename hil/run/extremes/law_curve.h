@@ -115,6 +115,10 @@ class LawCurve {
     struct Secants {
       double from, at_from, before, to, at_to, behind;
       [[nodiscard]] bool are_below() const { return before < behind; }
+      // Where they meet, s.
+      [[nodiscard]] double calc_meeting() const {
+        return from + (at_to - at_from - behind * (to - from)) / (before - behind);
+      }
       [[nodiscard]] double calc(double time) const {
         const double first = at_from + before * (time - from), last = at_to + behind * (time - to);
         return are_below() ? std::max(first, last) : std::min(first, last);
