@@ -13,6 +13,9 @@ using Measure = Requirement::Measure;
 
 // Of the motion: less is no reason for doubt.
 constexpr double kLeast = 1e-7;
+// Times the estimate of the audit: of an oscillation that is a fifth to a third of what the motion is off by
+// (kernel/THEORY.md, 9).
+constexpr double kOfPhase = 5;
 
 // Parts of a motion: the whole one, or that relative to the centre of mass of all bodies.
 struct Parts {
@@ -86,7 +89,7 @@ double calc_step_uncertainty(const Model& model, const Requirement& requirement,
       sum += linear * get_change(errors, part.is_rate ? along.velocity : along.place);
   }
   if (largest < kLeast) return 0;
-  return part.of_motion ? sum : largest * std::abs(value);
+  return kOfPhase * (part.of_motion ? sum : largest * std::abs(value));
 }
 
 }  // namespace unlatch::hil

@@ -18,6 +18,7 @@ constexpr double kLeastPart = 1e-7;  // likewise, of the largest change of a vel
 constexpr double kSmall = 1e-3;      // of what was flown between two knots: the width of a difference
 constexpr double kFar = 1e-7;        // of a place: it is not known better than that for a difference
 constexpr double kTallest = 120;     // 5!
+constexpr double kWhole = 0.999;     // of a step: less is a part of it
 constexpr int kPowers = 4;           // of the derivative
 
 Quat turn(const Quat& q, const Vec3& by) {  // world axes, rad
@@ -247,13 +248,16 @@ void FeedbackAudit::measure(const MotionKnot& from, const MotionKnot& to, Worksp
 // both the power 0 and the power 1 admit.
 FeedbackError FeedbackAudit::judge(std::size_t b, double time) const {
   FeedbackError error{.body = static_cast<int>(b)};
+  // Of a step that was not split the halves tell the error, unless it is far too long.
+  const bool is_split = time < kWhole * simulation_.plan().get_options().dt;
+  const double limit = is_split ? kUnresolvedSize : kResolved;
   for (const bool turns : {false, true}) {
     const double least = std::max(kLeast, kLeastPart * (turns ? courses_[b].most_w : courses_[b].most_v));
     const double own = get_size(taken_[b].velocity, turns), next = get_size(first_[b].velocity, turns);
     const double last = get_size(changes_[b].velocity, turns);
     if (!(last / kTallest > least)) continue;
     const double size = std::min(own > 0 ? std::sqrt(std::sqrt(last / own)) : HUGE_VAL, std::cbrt(last / next));
-    if (!(size > kUnresolvedSize)) continue;
+    if (!(size > limit)) continue;
     // No more than Euler's method would be off by.
     const double most = std::max(own, next);
     const double of_velocity = std::min(last / kTallest, most);

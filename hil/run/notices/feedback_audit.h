@@ -7,7 +7,8 @@
 // only one where f is linear (E. Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I, II.2). J⁴ f is
 // taken by four differences of accelerations, one after the other, in the middle between two knots of the motion, where
 // a table's slope is that of the cell that was passed; h is the time between the knots. |h⁴ J⁴ f| / |f| to the power of
-// 1/4 is h times the rate of the feedback. Up to kUnresolvedSize nothing is doubted.
+// 1/4 is h times the rate of the feedback. Up to kUnresolvedSize nothing is doubted, nor up to kResolved in a step that
+// was not split: of that its halves tell the error.
 //
 // Where: where an acceleration changed, from knot to knot, by more than kUnresolvedSize of what the rate of that change
 // would make of the velocity, or of the place. At most kFirst pieces of motion, and one for each kEvery ticks. Left out
