@@ -11,7 +11,7 @@
 
 namespace unlatch::hil {
 
-// An event that a requirement names, at its first occurrence.
+// An event that a requirement names. Which occurrence it is: language.yaml, `requirement`.
 struct EventName {
   std::string text;   // "release:booster1"; empty: none is named
   int event = kNone;  // index into the model's events; kNone if it is disabled (enabled: false)

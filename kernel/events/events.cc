@@ -15,6 +15,7 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
+#include "kernel/quantities/quantities.h"
 
 namespace unlatch {
 namespace {
@@ -163,6 +164,18 @@ std::size_t count_rigid_rounds(const PlanData& plan) {
   return at(calc_rigid_rounds(plan.rigid_pairs, (count_rigid_rows(plan) - plan.rigid_pairs) / 2));
 }
 
+// Logs the state behind a round. `first`: of the instant.
+void log_round(Run& run, double now, bool first, bool decisive) {
+  RoundKnot* round = run.log->get_last_round();
+  const bool shares = !first && !decisive && round != nullptr && !round->decisive;
+  if (!shares) round = run.log->add_round();
+  if (round == nullptr) return;
+  update_readings(run.get_instant(now), run.ev(), run.data.unread.data());
+  fill_knot(run, now, round->knot);
+  round->fired = at(run.events().fired_count);
+  round->decisive = decisive;
+}
+
 // All rounds at one instant at which something is due. Out of line: at most instants nothing is.
 [[gnu::noinline]] StepStatus act_in_rounds(Run& run, double now, std::span<const double> tolerances) {
   const PlanData& plan = run.plan;
@@ -177,6 +190,7 @@ std::size_t count_rigid_rounds(const PlanData& plan) {
     if (round > 0 && !is_any_due(plan, now, state, ev, tolerances) && !wants_rigid_pair(run)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
+    const std::int32_t fired = events.fired_count;
     RowSet added = 0;
     const int count = act_once(run, now, round, tolerances, added);
     if (count == 0) return StepStatus::kOk;
@@ -202,6 +216,7 @@ std::size_t count_rigid_rounds(const PlanData& plan) {
     update_guards(instant, ev, run.search().stack);
     store_rigid_forces(plan, ev, run.state());
     if (blow) rearm(plan, run.state(), ev);  // a bounce has a touch and a lift at one instant
+    if (run.log != nullptr) log_round(run, now, round == 0, jumped || blow || events.fired_count != fired);
   }
   return ev.rigid.failed == kNone ? StepStatus::kTooManyEvents : StepStatus::kRigidContact;
 }

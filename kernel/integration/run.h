@@ -37,4 +37,7 @@ struct Run {
   Instant get_instant(double t) const { return {plan, inputs, state(), t}; }
 };
 
+// Copies the state and the evaluation of this instant, with its sensors and quantities.
+void fill_knot(const Run& run, double now, MotionKnot& knot) noexcept;
+
 }  // namespace unlatch

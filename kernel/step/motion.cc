@@ -28,17 +28,18 @@ std::size_t count_numbers(const Plan& owner) {
 }  // namespace
 
 std::size_t MotionLog::get_bytes(const Plan& plan) noexcept {
-  return count_knots(get_data(plan)) *
-         (sizeof(MotionKnot) + plan.get_state_bytes() + count_numbers(plan) * sizeof(double));
+  const std::size_t each = plan.get_state_bytes() + count_numbers(plan) * sizeof(double);
+  return count_knots(get_data(plan)) * (sizeof(MotionKnot) + each) + kMostRounds * (sizeof(RoundKnot) + each);
 }
 
 MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : capacity_(count_knots(get_data(plan))) {
   std::byte* cursor = memory.data();
   knots_ = reinterpret_cast<MotionKnot*>(cursor);
   cursor += capacity_ * sizeof(MotionKnot);
+  rounds_ = reinterpret_cast<RoundKnot*>(cursor);
+  cursor += kMostRounds * sizeof(RoundKnot);
   const std::size_t bodies = get_data(plan).bodies.size(), rows = get_data(plan).joints.size() * kRows;
-  for (std::size_t i = 0; i < capacity_; ++i) {
-    MotionKnot& knot = *new (knots_ + i) MotionKnot;
+  const auto place = [&](MotionKnot& knot) {
     knot.state = State(plan, {cursor, plan.get_state_bytes()});
     cursor += plan.get_state_bytes();
     knot.accelerations = {reinterpret_cast<Spatial*>(cursor), bodies};
@@ -49,12 +50,18 @@ MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : c
     cursor += plan.get_sensor_count() * sizeof(double);
     knot.quantities = {reinterpret_cast<double*>(cursor), at(get_data(plan).quantity_count)};
     cursor += knot.quantities.size() * sizeof(double);
-  }
+  };
+  for (std::size_t i = 0; i < capacity_; ++i) place(*new (knots_ + i) MotionKnot);
+  for (std::size_t i = 0; i < kMostRounds; ++i) place((new (rounds_ + i) RoundKnot)->knot);
 }
 
 MotionKnot& MotionLog::add() noexcept {
   count_ = std::min(count_ + 1, capacity_);
   return knots_[count_ - 1];
 }
+
+RoundKnot* MotionLog::add_round() noexcept { return round_count_ < kMostRounds ? rounds_ + round_count_++ : nullptr; }
+
+RoundKnot* MotionLog::get_last_round() noexcept { return round_count_ > 0 ? rounds_ + (round_count_ - 1) : nullptr; }
 
 }  // namespace unlatch

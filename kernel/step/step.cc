@@ -50,15 +50,8 @@ void log_motion(Run& run, double now, bool begins, Readings readings) {
   if (run.log == nullptr) return;
   if (readings == Readings::kStale) update_readings(run.get_instant(now), run.ev(), run.data.unread.data());
   MotionKnot& knot = run.log->add();
-  knot.time = now;
+  fill_knot(run, now, knot);
   knot.begins = begins;
-  knot.corner = knot.reading_corner = false;
-  copy(run.state(), knot.state);
-  for (std::size_t b = 0; b < knot.accelerations.size(); ++b)
-    knot.accelerations[b] = run.ev().get_acceleration(static_cast<int>(b));
-  for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = run.ev().multipliers[i];
-  std::copy(run.ev().sensors.begin(), run.ev().sensors.end(), knot.sensors.begin());
-  std::copy(run.ev().quantities.begin(), run.ev().quantities.end(), knot.quantities.begin());
 }
 
 CornerCourse get_course(const Run& run) {

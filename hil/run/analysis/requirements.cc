@@ -8,9 +8,12 @@
 #include "hil/run/analysis/assemblies.h"
 #include "hil/run/analysis/extreme_verdict.h"
 #include "hil/run/extremes/straight_quantity.h"
+#include "hil/run/notices/format.h"
 #include "hil/scenario/base/from_eigen.h"
 #include "hil/scenario/base/index.h"
+#include "hil/scenario/text/count.h"
 #include "unlatch/contacts.h"
+#include "unlatch/geometry.h"
 #include "unlatch/model/law_places.h"
 #include "unlatch/quantities.h"
 
@@ -70,26 +73,70 @@ std::optional<unlatch::Quantity> find_quantity(const Model& model, const Require
   return std::nullopt;
 }
 
-// Joint whose reaction it is, itself, as a quantity or as a sensor has it; none.
-int find_reaction(const Model& model, const Requirement& r) {
-  if (r.quantity == Measure::kReaction) return r.a;
+// Quantities that it is on: itself, as a sensor measures it, or those that the expression reads that it is.
+std::vector<unlatch::Quantity> list_quantities(const Model& model, const Requirement& r) {
+  std::vector<unlatch::Quantity> list;
+  if (const int law = find_law(model, r); law != kNone) {
+    for (const int own : list_laws_behind(model, model.quantities[at(law)].subject))
+      for (const LawStep& step : model.laws[at(own)].steps)
+        if (step.kind == LawStep::Kind::kQuantity) list.push_back(model.quantities[at(step.subject)]);
+  } else if (const std::optional<unlatch::Quantity> of = find_quantity(model, r)) {
+    list.push_back(*of);
+  }
+  return list;
+}
+
+// Size of a surface, as its body has it, m; 0 of one without bounds.
+double calc_size(const Model& model, int surface) {
+  const geometry::ShapeGroup group = geometry::build_group({}, model.surfaces[at(surface)].shapes);
+  return std::isfinite(group.bound) ? group.bound + norm(group.centre) : 0;
+}
+
+// How deep a located touch of a rigid contact between two bodies may be, m.
+double get_touch_error(const Model& model, int a, int b) {
+  constexpr double kLocated = 1e-8;
+  const bool touches = std::ranges::any_of(model.contacts, [&](const Contact& contact) {
+    const int base = model.surfaces[at(contact.base)].body, follower = model.surfaces[at(contact.follower)].body;
+    return contact.rigid && std::minmax(base, follower) == std::minmax(a, b);
+  });
+  return touches ? kLocated : 0;
+}
+
+// Error of a quantity that is a distance, m; else 0.
+double get_error(const Model& model, const Requirement& r) {
   const std::optional<unlatch::Quantity> of = find_quantity(model, r);
-  return of && get_traits(of->kind).of_reaction ? of->subject : kNone;
+  if (!of || of->kind != unlatch::Quantity::Kind::kClearance) return 0;
+  const double size = std::max(calc_size(model, of->subject), calc_size(model, of->other));
+  return std::max(ClearanceHistory::kDistanceError * size,
+                  get_touch_error(model, model.surfaces[at(of->subject)].body, model.surfaces[at(of->other)].body));
+}
+
+// Joints whose reactions it is or reads.
+std::vector<int> list_reactions(const Model& model, const Requirement& r) {
+  std::vector<int> joints;
+  if (r.quantity == Measure::kReaction) joints.push_back(r.a);
+  for (const unlatch::Quantity& quantity : list_quantities(model, r))
+    if (get_traits(quantity.kind).of_reaction) joints.push_back(quantity.subject);
+  return joints;
+}
+
+// Contacts whose forces it is or reads.
+std::vector<int> list_contact_forces(const Model& model, const Requirement& r) {
+  std::vector<int> contacts;
+  const bool is_force = r.quantity == Measure::kContact &&
+                        static_cast<Requirement::ContactValue>(r.axis) == Requirement::ContactValue::kForce;
+  if (is_force) contacts.push_back(r.a);
+  for (const unlatch::Quantity& quantity : list_quantities(model, r))
+    if (quantity.kind == unlatch::Quantity::Kind::kContactForce) contacts.push_back(quantity.subject);
+  return contacts;
 }
 
 // True if it is of this kind, or an expression that reads some of it.
 template <class IsSuch>
 bool reads_some(const Model& model, const Requirement& r, const IsSuch& is_such) {
-  if (const int law = find_law(model, r); law != kNone) {
-    for (const int own : list_laws_behind(model, model.quantities[at(law)].subject))
-      for (const LawStep& step : model.laws[at(own)].steps)
-        if (step.kind == LawStep::Kind::kQuantity &&
-            is_such(get_traits(model.quantities[at(step.subject)].kind).motion))
-          return true;
-    return false;
-  }
-  const std::optional<unlatch::Quantity> of = find_quantity(model, r);
-  return of && is_such(get_traits(of->kind).motion);
+  return std::ranges::any_of(list_quantities(model, r), [&](const unlatch::Quantity& quantity) {
+    return is_such(get_traits(quantity.kind).motion);
+  });
 }
 
 // True of reactions, forces and accelerations, and of expressions that read some.
@@ -158,7 +205,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
       simulation_(simulation),
       clearances_(clearances),
       contacts_(contacts),
-      times_(scenario.model.events.size(), std::nan("")) {
+      first_(scenario.model.events.size()) {
   const Model model = scenario.requirements.empty() ? Model{} : place_markers(scenario.model);
   for (const Requirement& requirement : scenario.requirements) {
     Track track;
@@ -167,6 +214,8 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
     if (quantity == Measure::kClearance) {
       track.pair = requirement.pair;
       track.low = track.high = Smallest(clearances.get_resolution(track.pair));
+      track.tolerance =
+          std::max(clearances.get_error(track.pair), get_touch_error(model, requirement.a, requirement.b));
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
@@ -177,10 +226,16 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Simulatio
       for (const Sensor& sensor : model.sensors) received_.resize(received_.size() + at(sensor_width(sensor.kind)));
     if (quantity == Measure::kSensor)
       for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    if (!requirement.received) track.tolerance = std::max(track.tolerance, get_error(scenario.model, requirement));
     track.part = find_smooth_part(scenario.model, requirement);
     track.straight = goes_straight(scenario.model, requirement);
-    track.reaction = requirement.is_of_events() ? kNone : find_reaction(model, requirement);
+    if (!requirement.is_of_events()) {
+      track.reactions = list_reactions(scenario.model, requirement);
+      track.forces = list_contact_forces(scenario.model, requirement);
+    }
     track.jumps = may_jump(scenario.model, requirement);
+    track.counts_between = !requirement.is_of_events() && !requirement.received && !track.jumps && track.pair < 0 &&
+                           !is_of_motion(requirement);
     track.goes_on = goes_through_corners(scenario.model, requirement);
     if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
     track.bounded = is_bounded(scenario.model, requirement);
@@ -326,50 +381,126 @@ double RequirementMonitor::calc_within(const Track& track, const MotionWindow& w
 
 // --- The run --------------------------------------------------------------------------------------------------------
 
-void RequirementMonitor::add_events(std::span<const FiredEvent> events, const MotionKnot& before,
-                                    const MotionKnot& after) {
-  for (const FiredEvent& fired : events) {
-    double& time = times_[at(fired.event)];
-    if (!std::isfinite(time)) time = fired.time;
-  }
-  const auto is_here = [&](const EventName& name) {
-    return name.is_named() && std::any_of(events.begin(), events.end(),
-                                          [&](const FiredEvent& fired) { return fired.event == name.event; });
-  };
-  for (Track& track : tracks_) {
-    const Requirement& r = *track.requirement;
-    if (r.is_of_events()) continue;
-    const bool ends = track.phase == Phase::kOpen && is_here(r.to);
-    if (!ends) add_blow(track, before, after);
-    if (ends) {
-      if (window_ != nullptr) finish(track, *window_);
-      track.phase = Phase::kClosed;
-    } else if (track.phase == Phase::kWaiting && is_here(r.at)) {
-      track.last = calc_at(track, before);
-      track.last_time = before.time;
-      track.has_last = true;
-      track.phase = Phase::kClosed;
-    } else if (track.phase == Phase::kWaiting && is_here(r.from)) {
-      track.phase = Phase::kOpen;
-      track.fresh = true;
-      track.last = calc_at(track, after);
-      track.last_time = after.time;
-      track.has_last = true;
-      track.low.add(after.time, track.last);
-      track.high.add(after.time, -track.last);
-      if (track.law) track.law->take(after.time, track.last);
-      track.bounds.take(after.time, to_smooth(track.part, track.last));
+namespace {
+
+// The contact for which alone an event waits, to close or to open.
+std::optional<int> find_awaited_contact(const Event& event) {
+  const Condition* when = &event.when;
+  if (when->kind == Condition::Kind::kNot) when = when->parts.data();
+  return when->kind == Condition::Kind::kClosed && event.delay == 0 ? std::optional(when->subject) : std::nullopt;
+}
+
+}  // namespace
+
+// An event without actions that waits for a contact alone, such as its touch, stands for what the contact does: it is
+// of the round in which that closed or opened, which is before the one in which the event is due.
+std::vector<RequirementMonitor::Acted> RequirementMonitor::list_acted(std::span<const EventRound> rounds) const {
+  std::vector<Acted> acted;
+  for (std::size_t i = 0; i < rounds.size(); ++i)
+    for (const FiredEvent& fired : rounds[i].events) {
+      const Event& event = scenario_.model.events[at(fired.event)];
+      const std::optional<int> contact = event.then.empty() ? find_awaited_contact(event) : std::nullopt;
+      std::size_t own = i;
+      if (contact && !rounds[i].is_lost) {
+        const auto is_closed = [&](std::size_t k) {
+          return contacts_.is_closed(rounds[k].before->state, at(*contact));
+        };
+        while (own > 0 && is_closed(own) == is_closed(i)) --own;
+        if (is_closed(own) == is_closed(i)) own = i;
+      }
+      acted.push_back({fired, own});
     }
+  return acted;
+}
+
+void RequirementMonitor::add_times(std::span<const Acted> acted) {
+  for (const Acted& own : acted) {
+    Occurrence& first = first_[at(own.fired.event)];
+    if (!first.is_known()) first = {own.fired.time, rounds_ + own.round};
+  }
+  for (Track& track : tracks_) {
+    const std::vector<EventName>& names = track.requirement->events;
+    if (track.requirement->quantity != Measure::kTime || names.size() < 2 || std::isfinite(track.next)) continue;
+    if (names[0].event == kNone || names[1].event == kNone) continue;
+    const Occurrence& after = first_[at(names[1].event)];
+    for (const Acted& own : acted)
+      if (own.fired.event == names[0].event && after.is_known() && rounds_ + own.round >= after.round)
+        track.next = own.fired.time;
   }
 }
 
-// A blow that changes the velocity of a body to which the joint leads, over joints that hold, passes through the joint.
+void RequirementMonitor::add_events(std::span<const EventRound> rounds) {
+  const std::vector<Acted> acted = list_acted(rounds);
+  add_times(acted);
+  for (std::size_t i = 0; i < rounds.size(); ++i)
+    for (Track& track : tracks_)
+      if (!track.requirement->is_of_events()) add_round(track, rounds, i, acted);
+  rounds_ += rounds.size();
+}
+
+void RequirementMonitor::add_round(Track& track, std::span<const EventRound> rounds, std::size_t number,
+                                   std::span<const Acted> acted) {
+  const Requirement& r = *track.requirement;
+  const EventRound& round = rounds[number];
+  const MotionKnot &before = *round.before, &after = *round.after;
+  const auto is_here = [&](const EventName& name) {
+    return name.is_named() && std::ranges::any_of(acted, [&](const Acted& own) {
+             return own.fired.event == name.event && own.round == number;
+           });
+  };
+  const bool ends = track.phase == Phase::kOpen && is_here(r.to);
+  if (!ends) add_blow(track, before, after);
+  if (ends) {
+    if (window_ != nullptr) finish(track, *window_);
+    if (number > 0) {
+      track.last = calc_at(track, before);
+      track.last_time = before.time;
+    }
+    track.phase = Phase::kClosed;
+    track.end = after.time;
+    track.lost = track.lost || round.is_lost;
+  } else if (track.phase == Phase::kWaiting && is_here(r.at)) {
+    track.last = calc_at(track, before);
+    track.last_time = before.time;
+    track.has_last = true;
+    track.phase = Phase::kClosed;
+    track.lost = round.is_lost;
+  } else if (track.phase == Phase::kWaiting && is_here(r.from)) {
+    track.phase = Phase::kOpen;
+    track.fresh = true;
+    track.last = calc_at(track, after);
+    track.last_time = after.time;
+    track.has_last = true;
+    track.lost = round.is_lost;
+    track.low.add(after.time, track.last);
+    track.high.add(after.time, -track.last);
+    if (track.law) track.law->take(after.time, track.last);
+    track.bounds.take(after.time, to_smooth(track.part, track.last));
+  } else if (track.phase == Phase::kOpen && track.counts_between && number + 1 < rounds.size()) {
+    const double value = calc_at(track, after);
+    take(track, after.time, value);
+    if (track.law) track.law->take(after.time, value);
+    track.bounds.take(after.time, to_smooth(track.part, value));
+  }
+}
+
+// A blow that changes the velocity of a body to which a joint leads, over joints that hold, passes through the joint;
+// one through a contact is in its impulse.
 void RequirementMonitor::add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const {
-  if (track.reaction == kNone || std::isfinite(track.blow) || track.phase != Phase::kOpen) return;
-  const Joint& joint = scenario_.model.joints[at(track.reaction)];
-  const std::vector<int> bodies = Assemblies(scenario_.model, after.state).list(joint.follower);
-  const bool holds = std::ranges::find(bodies, joint.base) != bodies.end();
-  if (holds && has_jump(bodies, before.state, after.state)) track.blow = after.time;
+  if (std::isfinite(track.blow) || track.phase != Phase::kOpen) return;
+  const auto passes_joint = [&](int number) {
+    const Joint& joint = scenario_.model.joints[at(number)];
+    const std::vector<int> bodies = Assemblies(scenario_.model, after.state).list(joint.follower);
+    const bool holds = std::ranges::find(bodies, joint.base) != bodies.end();
+    return holds && has_jump(bodies, before.state, after.state);
+  };
+  const auto passes_contact = [&](int contact) {
+    const Plan& plan = simulation_.plan();
+    return get_contact_totals(plan, after.state, contact).impulse !=
+           get_contact_totals(plan, before.state, contact).impulse;
+  };
+  if (std::ranges::any_of(track.reactions, passes_joint) || std::ranges::any_of(track.forces, passes_contact))
+    track.blow = after.time;
 }
 
 // Searches the latest interval. Before the first one, and where the search goes on from a knot after a gap, there is
@@ -481,11 +612,7 @@ void RequirementMonitor::add_received(double time, std::span<const double> value
   }
 }
 
-double RequirementMonitor::get_end(std::size_t i) const {
-  const EventName& to = tracks_[i].requirement->to;
-  const double time = to.is_named() && to.event != kNone ? times_[at(to.event)] : std::nan("");
-  return std::isfinite(time) && tracks_[i].phase == Phase::kClosed ? time : HUGE_VAL;
-}
+double RequirementMonitor::get_end(std::size_t i) const { return tracks_[i].end; }
 
 double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
@@ -500,21 +627,32 @@ const EventName* RequirementMonitor::find_missing(const Requirement& requirement
   std::vector<const EventName*> names{&requirement.at, &requirement.from, &requirement.to};
   for (const EventName& name : requirement.events) names.push_back(&name);
   for (const EventName* name : names)
-    if (name->is_named() && (name->event == kNone || !std::isfinite(times_[at(name->event)]))) return name;
+    if (name->is_named() && (name->event == kNone || !first_[at(name->event)].is_known())) return name;
   return nullptr;
 }
 
-Verdict RequirementMonitor::judge_times(const Requirement& requirement) const {
+Verdict RequirementMonitor::judge_times(const Track& track) const {
+  const Requirement& requirement = *track.requirement;
+  const std::vector<EventName>& names = requirement.events;
   Verdict verdict;
-  const auto time = [&](std::size_t i) { return times_[at(requirement.events[i].event)]; };
+  const auto get = [&](std::size_t i) { return first_[at(names[i].event)]; };
   if (requirement.quantity == Measure::kTime) {
-    set_margin(requirement, time(0) - (requirement.events.size() > 1 ? time(1) : 0), time(0), verdict);
+    const double time = std::isfinite(track.next) ? track.next : get(0).time;
+    set_margin(requirement, time - (names.size() > 1 ? get(1).time : 0), time, verdict);
     return verdict;
   }
+  const auto calc_time = [&](std::size_t i) { return get(i).time - get(i - 1).time; };
+  const auto is_reversed = [&](std::size_t i) { return calc_time(i) == 0 && get(i).round < get(i - 1).round; };
   std::size_t worst = 1;
-  for (std::size_t i = 1; i < requirement.events.size(); ++i)
-    if (time(i) - time(i - 1) < time(worst) - time(worst - 1)) worst = i;
-  set_margin(requirement, time(worst) - time(worst - 1), time(worst), verdict);
+  for (std::size_t i = 1; i < names.size(); ++i)
+    if (calc_time(i) < calc_time(worst) || (calc_time(i) == calc_time(worst) && is_reversed(i))) worst = i;
+  set_margin(requirement, calc_time(worst), get(worst).time, verdict);
+  // Events of one instant have an order, but no time between them that could be missed.
+  if (is_reversed(worst) && verdict.margin == 0) {
+    verdict.evaluated = false;
+    verdict.why = "event '" + names[worst].text + "' acted before '" + names[worst - 1].text + "', both at " +
+                  format("%.6g s", verdict.time);
+  }
   return verdict;
 }
 
@@ -526,9 +664,14 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     verdict.why = "event '" + missing->text + (missing->event == kNone ? "' is left out" : "' did not occur");
     return verdict;
   }
-  if (r.is_of_events()) return judge_times(r);
+  if (r.is_of_events()) return judge_times(track);
   if (track.phase == Phase::kOpen && r.to.is_named()) {
     verdict.why = "event '" + r.to.text + "' did not occur after '" + r.from.text + "'";
+    return verdict;
+  }
+  if (track.lost) {
+    verdict.why = "the state between the events of its instant is not known: they acted in more than " +
+                  count(MotionLog::kMostRounds, "round") + " within one step";
     return verdict;
   }
   if (!track.has_last) {
@@ -602,8 +745,11 @@ std::vector<Verdict> RequirementMonitor::judge(const MotionWindow& window) const
   std::vector<Verdict> verdicts;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     verdicts.push_back(judge(tracks_[i], window));
-    verdicts.back().requirement = i;
-    if (tracks_[i].requirement->take != Take::kFinal) verdicts.back().blow = tracks_[i].blow;
+    Verdict& verdict = verdicts.back();
+    verdict.requirement = i;
+    // Rounding of a distance that is its limit decides nothing.
+    if (verdict.evaluated && verdict.margin < 0 && verdict.margin >= -tracks_[i].tolerance) verdict.margin = 0;
+    if (tracks_[i].requirement->take != Take::kFinal) verdict.blow = tracks_[i].blow;
   }
   return verdicts;
 }

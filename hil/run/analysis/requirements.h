@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/analysis/event_rounds.h"
 #include "hil/run/extremes/extreme_bounds.h"
 #include "hil/run/extremes/finer_steps.h"
 #include "hil/run/extremes/law_extremes.h"
@@ -30,7 +31,7 @@ struct Verdict {
   double value = 0, limit = 0;  // in the requirement's unit; the nearest limit
   double margin = 0;            // distance of the value from the limit, positive within it; below 0: not met
   double time = 0;              // time of the value, s
-  // Of a reaction: a blow in the interval, whose impulse in the joint is no force; infinity: none. s
+  // Of a reaction or the force of a contact: a blow in the interval, whose impulse there is no force; infinity: none. s
   double blow = std::numeric_limits<double>::infinity();
   [[nodiscard]] bool leaves_out_blow() const { return blow < std::numeric_limits<double>::infinity(); }
   // How far the value may be wrong: between knots (extreme_bounds.h), and by the errors of the steps
@@ -61,8 +62,8 @@ class RequirementMonitor {
   // Called after each step of the simulation, before its pieces of motion are added.
   void begin_step(const StepReport& report);
 
-  // Adds events that acted at an instant; `before` and `after`: the knots around it.
-  void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
+  // Adds the rounds of events of an instant (event_rounds.h).
+  void add_events(std::span<const EventRound> rounds);
   // Adds the piece between these knots, with these commands, to which the window and the clearances have already moved.
   // `switched`: events or new commands are at its beginning, at which forces may jump where no acceleration does.
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
@@ -83,7 +84,8 @@ class RequirementMonitor {
     const Requirement* requirement = nullptr;
     std::optional<JointGeometry> joint;
     int pair = -1;                                          // number of the clearance pair
-    int reaction = kNone;                                   // joint whose reaction it is; none
+    std::vector<int> reactions;                             // joints whose reactions it is, or reads
+    std::vector<int> forces;                                // contacts, likewise of their forces
     double blow = std::numeric_limits<double>::infinity();  // as Verdict::blow
     std::size_t first = 0;                                  // index of a sensor's first value
     Phase phase = Phase::kOpen;
@@ -97,9 +99,15 @@ class RequirementMonitor {
     bool bounded = false;                   // as is_bounded()
     bool straight = false;                  // a straight line between events: its extremes are at knots
     bool has_last = false, fresh = true;
-    bool skips = false;  // the latest piece, in which the smallest clearance could not change: `last` is older
-    bool apart = false;  // the latest piece had its contact open, so that it had no force and no depth
+    bool skips = false;           // the latest piece, in which the smallest clearance could not change: `last` is older
+    bool apart = false;           // the latest piece had its contact open, so that it had no force and no depth
+    bool counts_between = false;  // its values between two rounds of events count: it is no force
+    bool lost = false;            // it begins or ends at an event of a round whose states are not kept
+    double end = std::numeric_limits<double>::infinity();  // s, of the interval
+    // s, of a time from one event to another: the first occurrence of the latter, not before the first of the former.
+    double next = std::numeric_limits<double>::quiet_NaN();
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
+    double tolerance = 0;            // of a distance, m: its error, by which a limit that is missed is met
   };
 
   [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
@@ -114,7 +122,15 @@ class RequirementMonitor {
   [[nodiscard]] FinerSource get_finer(const Track& track) const;
   [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
   void add_blow(Track& track, const MotionKnot& before, const MotionKnot& after) const;
-  [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
+  // An event that acted at an instant, and the number of its round among those of the instant.
+  struct Acted {
+    FiredEvent fired;
+    std::size_t round;
+  };
+  [[nodiscard]] std::vector<Acted> list_acted(std::span<const EventRound> rounds) const;
+  void add_times(std::span<const Acted> acted);
+  void add_round(Track& track, std::span<const EventRound> rounds, std::size_t number, std::span<const Acted> acted);
+  [[nodiscard]] Verdict judge_times(const Track& track) const;
   [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;
 
   const Scenario& scenario_;
@@ -122,8 +138,16 @@ class RequirementMonitor {
   const ClearanceHistory& clearances_;
   const ContactHistory& contacts_;
   std::vector<Track> tracks_;
-  std::vector<double> received_;       // present values of all sensors as received
-  std::vector<double> times_;          // s, first occurrence of each event; NaN before it
+  std::vector<double> received_;  // present values of all sensors as received
+  // The first occurrence of an event. Rounds are numbered through the run: of two events of one time they are the
+  // order.
+  struct Occurrence {
+    double time = std::numeric_limits<double>::quiet_NaN();  // s
+    std::size_t round = 0;
+    [[nodiscard]] bool is_known() const { return std::isfinite(time); }
+  };
+  std::vector<Occurrence> first_;      // by event
+  std::size_t rounds_ = 0;             // so far
   std::unique_ptr<FinerSteps> finer_;  // where some requirement may need them
   const MotionWindow* window_ = nullptr;
 };

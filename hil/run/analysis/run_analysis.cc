@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/run/analysis/event_rounds.h"
 #include "hil/run/analysis/extreme_verdict.h"
 #include "hil/run/analysis/step_uncertainty.h"
 #include "hil/run/audit/step_audit.h"
@@ -84,6 +85,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
   const std::span<const double> inputs = simulation_.get_inputs();
   bool switched = !std::ranges::equal(inputs, inputs_);
   inputs_.assign(inputs.begin(), inputs.end());
+  std::size_t done = 0;
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const MotionKnot &from = knots[i - 1], &to = knots[i];
     if (!to.begins) {
@@ -98,6 +100,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
         if (from.state.events[at(unseen.event)].phase == EventPhase::kArmed) accuracy_.report_unseen(unseen);
       for (const UnseenCrossing& unseen : unseen_crossings_.find(window_, from, to, simulation_.get_inputs()))
         accuracy_.report_unseen(unseen);
+      for (const LostTrigger& lost : unseen_crossings_.find_lost(from, to, inputs)) accuracy_.report_lost(lost);
       for (const UnseenEngagement& unseen : unseen_engagements_.find(window_, from, to))
         accuracy_.report_unseen(unseen);
       continue;
@@ -110,8 +113,9 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       add_event(events[count++], has_piece ? &knots[i - 2] : nullptr, from, to);
     }
     separations_.add_events(from, to, clearance_);
-    requirements_.add_events(events.first(count), from, to);
+    requirements_.add_events(list_rounds(events.first(count), done, from, to, simulation_.get_rounds()));
     events = events.subspan(count);
+    done += count;
   }
 }
 
@@ -203,10 +207,14 @@ double RunAnalysis::calc_time_uncertainty(const TimelineEntry& entry) const {
          std::abs(entry.rate);
 }
 
-double RunAnalysis::calc_time_uncertainty(const Requirement& requirement) const {
+double RunAnalysis::calc_time_uncertainty(const Requirement& requirement, double time) const {
   double sum = 0;
-  for (const EventName& instant : requirement.events) {
-    const auto entry = std::ranges::find(timeline, instant.event, &TimelineEntry::event);
+  for (std::size_t i = 0; i < requirement.events.size(); ++i) {
+    const EventName& instant = requirement.events[i];
+    const bool is_timed = requirement.quantity == Requirement::Measure::kTime && i == 0;  // which occurrence it is
+    const auto entry = std::ranges::find_if(timeline, [&](const TimelineEntry& own) {
+      return own.event == instant.event && (!is_timed || own.time == time);
+    });
     if (instant.event != kNone && entry != timeline.end()) sum += calc_time_uncertainty(*entry);
   }
   return sum;
@@ -233,7 +241,7 @@ std::vector<Verdict> RunAnalysis::judge() const {
       continue;
     const double of_steps =
         requirement.is_of_events()
-            ? calc_time_uncertainty(requirement)
+            ? calc_time_uncertainty(requirement, verdict.time)
             : calc_step_uncertainty(scenario_.model, requirement, verdict.value, until, accuracy_.get_steps());
     // Of errors of the steps that are large, whatever the limit, accuracy_ has decided above.
     if (of_steps > Verdict::kExact * std::abs(verdict.value)) {

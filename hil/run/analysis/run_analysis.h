@@ -94,7 +94,7 @@ class RunAnalysis {
   [[nodiscard]] std::string list_shapes(const Event& event, const MotionKnot& before, const MotionKnot& after) const;
   // `earlier`: the knot at which the piece before began, if there is one.
   void add_event(const FiredEvent& fired, const MotionKnot* earlier, const MotionKnot& before, const MotionKnot& after);
-  [[nodiscard]] double calc_time_uncertainty(const Requirement& requirement) const;
+  [[nodiscard]] double calc_time_uncertainty(const Requirement& requirement, double time) const;
   void update_shared(const StepReport& report);
 
   const Scenario& scenario_;

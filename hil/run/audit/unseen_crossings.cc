@@ -67,6 +67,7 @@ UnseenCrossings::UnseenCrossings(const Model& model) : model_(model) {
   for (std::size_t i = 0; i < model.events.size(); ++i) {
     Guard guard{.event = static_cast<int>(i), .repeats = model.events[i].repeat};
     if (!list_leaves(model, placed, model.events[i].when, guard.leaves)) continue;
+    if (guard.repeats && model.events[i].delay > 0) delayed_.push_back({guard});
     const auto count_leaves = [&](ConditionCourse course) {
       return std::ranges::count_if(guard.leaves,
                                    [&](const Leaf& leaf) { return get_course(leaf.condition) == course; });
@@ -251,6 +252,25 @@ std::span<const UnseenCrossing> UnseenCrossings::find(const MotionWindow& window
     guard.spans ? find_span(guard) : find(guard);
   }
   return found_;
+}
+
+std::span<const LostTrigger> UnseenCrossings::find_lost(const MotionKnot& from, const MotionKnot& to,
+                                                        std::span<const double> commands) {
+  lost_.clear();
+  for (Delayed& own : delayed_) {
+    const int event = own.guard.event;
+    for (const MotionKnot* knot : {&from, &to}) {
+      if (knot->state.events[at(event)].phase != EventPhase::kPending) {
+        own.was_false = false;
+        continue;
+      }
+      add(own.guard, *knot, commands, true);
+      const bool holds = calc(own.guard, std::nan("")) >= 0;
+      if (holds && own.was_false) lost_.push_back({event, knot->time});
+      own.was_false = !holds;
+    }
+  }
+  return lost_;
 }
 
 }  // namespace unlatch::hil

@@ -25,6 +25,12 @@ struct UnseenCrossing {
   double from = 0, until = 0;  // s, while its condition held
 };
 
+// The condition of a repeating event has become true again while its delay ran: it does not act for that.
+struct LostTrigger {
+  int event = 0;    // index in the model
+  double time = 0;  // s, of the knot at which it was true again
+};
+
 // An event whose condition may hold within a step alone and is not searched for that.
 struct UnsearchedEvent {
   int event = 0;      // index in the model
@@ -41,6 +47,10 @@ class UnseenCrossings {
   // `commands`: in that piece.
   std::span<const UnseenCrossing> find(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to,
                                        std::span<const double> commands);
+
+  // Likewise of repeating events with delays, as far as knots show their conditions.
+  std::span<const LostTrigger> find_lost(const MotionKnot& from, const MotionKnot& to,
+                                         std::span<const double> commands);
 
  private:
   // A condition without parts: its quantity at the latest knots, or true or false.
@@ -73,9 +83,16 @@ class UnseenCrossings {
   void find(const Guard& guard);
   void find_span(const Guard& guard);
 
+  // The condition of a repeating event with a delay.
+  struct Delayed {
+    Guard guard;
+    bool was_false = false;  // since its delay began
+  };
   const Model& model_;
   std::vector<Guard> guards_;
+  std::vector<Delayed> delayed_;
   std::vector<UnseenCrossing> found_;
+  std::vector<LostTrigger> lost_;
 };
 
 }  // namespace unlatch::hil

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kLastPart = 6, kMostEvaluations = 400;  // in an interval
 constexpr double kSlow = 0.1;                         // ratio of a stencil whose differences fall too slowly for a dip
+constexpr double kCorner = 0.5;                       // likewise of what is no distance: of a corner
 constexpr double kOffLine = 1e-9;                     // of the value's size: rounding of a straight line
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kGain = 1e-7;  // what bounds may promise below the known, relative to the law's size
@@ -144,7 +145,8 @@ double LawCurve::Read::calc_uncertainty(double time) const {
   const double passed = (time - stencil->get_from()) / (stencil->get_to() - stencil->get_from());
   if (bulge > 0) return bulge * 4 * passed * (1 - passed);
   const auto [smooth, uncertainty] = stencil->calc(time);
-  if (secants) return std::max(uncertainty, smooth - secants->calc(time));
+  if (secants)
+    return std::max(uncertainty, secants->are_below() ? smooth - secants->calc(time) : secants->calc(time) - smooth);
   // A square below zero is wrong by as much, and may be by twice that.
   return part == SmoothPart::kItself ? uncertainty : std::max(uncertainty, -2 * smooth);
 }
@@ -153,10 +155,11 @@ void LawCurve::Read::draw_secants(std::size_t number) {
   const std::span<const double> times = curve.get_times(), values = curve.get_values();
   secants.reset();
   const bool is_distance = traits == &get_traits(unlatch::Quantity::Kind::kClearance);
-  if (!is_distance || number == 0 || number + 2 >= times.size() || !(stencil->get_ratio() > kSlow)) return;
+  if (number == 0 || number + 2 >= times.size() || !(stencil->get_ratio() > (is_distance ? kSlow : kCorner))) return;
   const auto calc_slope = [&](std::size_t k) { return (values[k + 1] - values[k]) / (times[k + 1] - times[k]); };
   const double before = calc_slope(number - 1), behind = calc_slope(number + 1);
-  if (before < calc_slope(number) && calc_slope(number) < behind)
+  const double own = calc_slope(number);
+  if ((before < own && own < behind) || (before > own && own > behind))
     secants = {times[number], values[number], before, times[number + 1], values[number + 1], behind};
 }
 
@@ -202,7 +205,8 @@ LawCurve::Wide LawCurve::calc_wide(const Interval& interval) {
   for (const Read& read : read_) {
     Course& course = quantities_[at(read.quantity)];
     course = read.calc_course(interval.from, interval.to, 0);
-    const double off = kAside * read.calc_uncertainty(middle);
+    double off = kAside * read.calc_uncertainty(middle);
+    if (read.secants) off = std::max(off, read.calc_uncertainty(read.secants->calc_meeting()));
     const double low = to_smooth(read.part, course.low), high = to_smooth(read.part, course.high);
     is_off = is_off || off > kPart * (high - low);
     course.low = std::min(course.low, from_smooth(read.part, low - off));
@@ -244,6 +248,8 @@ void LawCurve::doubt(const Interval& interval, double sign, Found& found) {
     found.most = std::min(found.most, value + above);
   };
   for (int i = 1; i < kLooks; ++i) look_at(interval.from + i * length / kLooks);
+  for (const Read& read : read_)
+    if (read.secants) look_at(read.secants->calc_meeting());
   const double best = found.value.get_time();
   if (best > interval.from && best < interval.to) look_at(best);
 }

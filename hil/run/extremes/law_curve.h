@@ -7,8 +7,9 @@
 // known, down to 1/64 of the interval, and from there by golden section.
 //
 // How far it may be wrong is what it changes by if each of what it reads is off by the uncertainty of its polynomial,
-// one after the other, in the direction that counts; a distance that dips within the interval, so that no polynomial
-// shows it, may be as small as the secants beside the interval allow. Of a polynomial through two knots nothing is
+// one after the other, in the direction that counts; what dips within the interval, so that no polynomial shows it, or
+// has a corner there, as the distance to the nearer of two shapes, may be as far off as the secants beside the interval
+// allow. Of a polynomial through two knots nothing is
 // known but how the quantity has changed elsewhere (UsualChange).
 //
 // Cost: three evaluations of the law with its bounds for each interval; some hundred where they admit a smaller value,
@@ -109,12 +110,18 @@ class LawCurve {
     double turned = 0;                      // rad, of the curve beyond the range
     std::optional<double> middle{};         // of the range, rad, where it has come to its ends
     std::optional<ValueStencil> stencil{};  // of the interval that is searched
-    // Of a distance whose stencil's differences do not fall: the lines through the two knots before the interval and
-    // through the two behind it, which a convex dip does not go below.
+    // Where a stencil's differences do not fall, as at a corner of its own: the lines through the two knots before the
+    // interval and through the two behind it, which a convex dip does not go below, nor a concave bulge above.
     struct Secants {
       double from, at_from, before, to, at_to, behind;
+      [[nodiscard]] bool are_below() const { return before < behind; }
+      // Where they meet, s.
+      [[nodiscard]] double calc_meeting() const {
+        return from + (at_to - at_from - behind * (to - from)) / (before - behind);
+      }
       [[nodiscard]] double calc(double time) const {
-        return std::max(at_from + before * (time - from), at_to + behind * (time - to));
+        const double first = at_from + before * (time - from), last = at_to + behind * (time - to);
+        return are_below() ? std::max(first, last) : std::min(first, last);
       }
     };
     std::optional<Secants> secants{};

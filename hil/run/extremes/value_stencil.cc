@@ -73,8 +73,9 @@ ValueStencil::ValueStencil(const ValueTerms& terms) : ValueTerms(terms) {
   };
   if (count_ == 3) ratio_ = fall(2, 1);
   if (count_ == 4) ratio_ = std::sqrt(fall(3, 2));
-  if (count_ > 4) ratio_ = std::sqrt(fall(4, 2));
-  if (count_ > 5) ratio_ = std::max(ratio_, std::sqrt(fall(5, 2)));
+  // One difference may vanish by chance, at a corner too: of two falls the slower one.
+  if (count_ == 5) ratio_ = std::sqrt(std::max(fall(4, 2), fall(3, 2)));
+  if (count_ > 5) ratio_ = std::sqrt(std::max(fall(4, 2), fall(5, 2)));
   doubt_ = ratio_ * ratio_ * ratio_ * ratio_;
   if (count_ > 2 && count_ < kMost)
     next_ = std::max(sizes[count_ - 1], sizes[count_ - 2]) / (scale * static_cast<double>(count_) * spacing_);

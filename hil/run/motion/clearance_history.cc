@@ -191,6 +191,10 @@ double ClearanceHistory::get_resolution(int pair) const {
   return monitor_.get_resolution(static_cast<std::size_t>(pair));
 }
 
+double ClearanceHistory::get_error(int pair) const {
+  return kDistanceError * monitor_.get_size(static_cast<std::size_t>(pair));
+}
+
 double ClearanceHistory::calc(const MotionWindow& window, int pair, double time) const {
   if (const auto known = dips_[static_cast<std::size_t>(pair)].calc_within(monitor_, window, time)) return *known;
   const Clearance& clearance = now_[static_cast<std::size_t>(pair)];

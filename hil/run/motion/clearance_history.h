@@ -31,6 +31,9 @@ class ClearanceHistory {
   [[nodiscard]] bool is_empty() const { return now_.empty(); }
   // Smallest depth of a dip that is not rounding, m.
   [[nodiscard]] double get_resolution(int pair) const;
+  // Error of a distance, m: the part kDistanceError of the size of the two (geometry, limits).
+  static constexpr double kDistanceError = 1e-9;
+  [[nodiscard]] double get_error(int pair) const;
   // Distance at the end of the present piece, m; and at any time of the window.
   [[nodiscard]] double get_now(int pair) const {
     refresh(static_cast<std::size_t>(pair));

@@ -26,6 +26,7 @@
 //              tick and the hold matter
 //   search*    the search for events within a step reached a bound on its work: events left to the next tick, an
 //              inaccurate instant, a touch that may have been missed; or an event's condition is not searched
+//   delay      the condition of a repeating event became true again while its delay ran, for which it does not act
 //   drift      a row's position residual; norm: that of a body's quaternion
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   cell*      a law that forces read looked a table up at places between which, from one tick to the next, there are
@@ -88,6 +89,8 @@ class NoticeWatch {
   void report_unseen(const UnseenCrossing& unseen);
   // A pusher, a stop or a cord engaged and parted again within a step, or the other way round.
   void report_unseen(const UnseenEngagement& unseen);
+  // The condition of a repeating event became true again while its delay ran.
+  void report_lost(const LostTrigger& lost);
   // Whether the condition of an event held for a part of a step alone is not searched.
   void report_unsearched(const UnsearchedEvent& unsearched);
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
@@ -169,6 +172,7 @@ class NoticeWatch {
   Slot yielded_;                                    // of blows
   std::vector<Slot> beside_;                        // of one-sided forces
   std::vector<Slot> passed_, passed_over_;          // of events; of laws
+  std::vector<bool> lost_;                          // events reported: triggers during their delays
   std::vector<ProfileWatch> profiles_;              // of loads
   CellWatch cells_;
   ContactJumps jumps_;

@@ -130,6 +130,17 @@ void NoticeWatch::report_unseen(const UnseenEngagement& unseen) {
       list_element_bodies(model, get_first_one_sided(model) + unseen.force));
 }
 
+void NoticeWatch::report_lost(const LostTrigger& lost) {
+  lost_.resize(scenario_.model.events.size());
+  if (lost_[at(lost.event)]) return;
+  lost_[at(lost.event)] = true;
+  const Event& event = scenario_.model.events[at(lost.event)];
+  add("delay", event.name + (event.subject.empty() ? "" : ":" + event.subject),
+      format("its condition became true again at %.6g s, while its delay of %.6g s ran: it does not act for that, nor "
+             "for others that come so",
+             lost.time, event.delay));
+}
+
 void NoticeWatch::report_unsearched(const UnsearchedEvent& unsearched) {
   add("search", get_guard_name(scenario_.model, unsearched.event),
       "its condition is looked at where steps end, and not within them: it reads " + unsearched.reads, {});

@@ -46,6 +46,8 @@ class Simulation {
   void keep_motion();
   // Knots of the latest step; empty before it, and without keep_motion().
   std::span<const MotionKnot> get_motion() const noexcept { return log_.get_knots(); }
+  // States between the rounds of events of the latest step, likewise.
+  std::span<const RoundKnot> get_rounds() const noexcept { return log_.get_rounds(); }
 
   // A warm-up step: the same step, thrown away. Code and data remain in the processor's caches.
   void warm_up() noexcept UNLATCH_NONBLOCKING;

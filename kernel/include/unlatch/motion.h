@@ -31,6 +31,15 @@ struct MotionKnot {
   std::span<double> quantities;      // as Workspace::quantities
 };
 
+// The state between two rounds of events at one instant (THEORY.md, section 6): just after those of the step's events
+// that are before number `fired`, just before the others.
+struct RoundKnot {
+  MotionKnot knot;
+  std::size_t fired = 0;
+  bool decisive =
+      false;  // events acted in the round before it, or velocities jumped; else pairs of shapes alone changed
+};
+
 // Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events, and each other
 // at which the step is split, the state just before and just after (begins); the end.
 class MotionLog {
@@ -43,11 +52,17 @@ class MotionLog {
 
   // Knots of the latest step; valid until the next.
   std::span<const MotionKnot> get_knots() const noexcept { return {knots_, count_}; }
+  // The states behind the rounds of each instant, in their order; the last of an instant may be that of the knot just
+  // after it. Rounds that change pairs of shapes alone share one.
+  static constexpr std::size_t kMostRounds = 32;
+  std::span<const RoundKnot> get_rounds() const noexcept { return {rounds_, round_count_}; }
 
   // For the step.
-  void clear() noexcept { count_ = 0; }
+  void clear() noexcept { count_ = round_count_ = 0; }
   MotionKnot& add() noexcept;  // the next knot; the last one again where there are no more
   void remove() noexcept { count_ -= count_ > 0; }
+  RoundKnot* add_round() noexcept;       // null where there are kMostRounds
+  RoundKnot* get_last_round() noexcept;  // of those that there are
   // Marks the latest knot as a corner of the motion, of readings.
   void mark_corner() noexcept {
     if (count_ > 0) knots_[count_ - 1].corner = true;
@@ -59,6 +74,8 @@ class MotionLog {
  private:
   MotionKnot* knots_ = nullptr;
   std::size_t count_ = 0, capacity_ = 0;
+  RoundKnot* rounds_ = nullptr;
+  std::size_t round_count_ = 0;
 };
 
 // The turn about axis k (0 to 2) by which the frame `follower` stands from the frame `base`, in (−π, π]: exact for a
