@@ -34,10 +34,10 @@ struct MotionKnot {
 // The state between two rounds of events at one instant (THEORY.md, section 6): just after those of the step's events
 // that are before number `fired`, just before the others.
 struct RoundKnot {
-  MotionKnot knot;
-  std::size_t fired = 0;
-  bool decisive =
-      false;  // events acted in the round before it, or velocities jumped; else pairs of shapes alone changed
+  MotionKnot knot;        // the state, its time and what it is read as
+  std::size_t fired = 0;  // events of the step that have acted by then
+  // Events acted in the round before it, or velocities jumped; else pairs of shapes alone changed.
+  bool decisive = false;
 };
 
 // Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events, and each other
