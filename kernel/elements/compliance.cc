@@ -3,22 +3,14 @@
 #include <algorithm>
 
 #include "kernel/elements/kinds/load.h"
-#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
-
-bool is_implicit(const PlanData& plan, const State& state, const PlanJointSpring& spring) noexcept {
-  return spring.compliant != kNone &&
-         (spring.axis < kRotX ||
-          has_plain_angle(plan.joints[at(spring.joint)], get_active_rows(plan, state, spring.joint), spring.axis));
-}
 
 bool is_stiff(const PlanData& plan, const State& state, double t) noexcept {
   for (const PlanFlexible& body : plan.flexible)
     if (body.implicit) return true;
   return std::any_of(plan.compliant.begin(), plan.compliant.end(), [&](const PlanCompliant& c) {
-    const PlanJointSpring& spring = plan.joint_springs[at(c.spring)];
-    return calc_scale(state.elements[at(spring.element)], t) != 0 && is_implicit(plan, state, spring);
+    return calc_scale(state.elements[at(plan.joint_springs[at(c.spring)].element)], t) != 0;
   });
 }
 
@@ -28,8 +20,7 @@ Implicit begin_compliance(const PlanData& plan, const State& state, double t, do
   for (std::size_t i = 0; i < plan.compliant.size(); ++i) {
     const PlanCompliant& c = plan.compliant[i];
     const PlanJointSpring& spring = plan.joint_springs[at(c.spring)];
-    const double on = calc_scale(state.elements[at(spring.element)], t + 0.5 * h);
-    const double scale = is_implicit(plan, state, spring) ? on : 0;
+    const double scale = calc_scale(state.elements[at(spring.element)], t + 0.5 * h);
     ev.compliant[i] = {scale * spring.stiffness, scale * spring.damping, 0, 0, 0, 0};
     const CompliantSpring& own = ev.compliant[i];
     c.pivot.in(blocks) += calc_implicit_pivot(own.stiffness, own.damping, kGamma * h);  // several may share a freedom

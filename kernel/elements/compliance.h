@@ -12,7 +12,9 @@
 //
 // Modes of flexible bodies are springs on their modal coordinates. A joint with such a spring is eliminated through its
 // freedoms whatever its mode, since the spring acts on one of them. About an axis of a joint whose other rotations are
-// free the spring acts on all three, along the gradient of its angle: in such a mode it is explicit.
+// free the spring acts along the gradient g of its angle (calc_angle_gradient()), for which A has the axis n: any A is
+// of order two, and this one damps what it does while g is near n, as in a stiff bushing. Where the follower's axis has
+// swung far, a stiff spring may swing on; hil/run/notices/implicit_audit.h sees that.
 #pragma once
 
 #include "kernel/plan/evaluation.h"
@@ -28,9 +30,6 @@ struct Implicit {
   ImplicitStage stage = ImplicitStage::kOff;
   double h = 0, gamma_h = 0;  // s
 };
-
-// True if a spring in a joint is integrated implicitly in the joint's present mode.
-bool is_implicit(const PlanData& plan, const State& state, const PlanJointSpring& spring) noexcept;
 
 // True if some element that is integrated implicitly is on at time t.
 bool is_stiff(const PlanData& plan, const State& state, double t) noexcept;

@@ -81,7 +81,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& s
   const auto is_spring = []<class Kind>(Kind) { return HasSpring<Kind>; };
   for_each_mobility(owner, state, workspace, is_spring, [&]<class Kind>(Kind, const auto& own, double mobility) {
     if constexpr (HasSpring<Kind>) {
-      const LinearSpring spring = Kind::get_spring(get_data(owner), state, own);
+      const LinearSpring spring = Kind::get_spring(get_data(owner), own);
       out.push_back({own.element, std::sqrt(spring.stiffness * mobility), spring.damping * mobility, spring.implicit});
     }
   });

@@ -201,12 +201,13 @@ Dense build_dense(const System& s, const Model& placed, const SystemState& state
 
 // Gradient of the angle about a spring's axis over the speeds of the rigid bodies, where more than that rotation is
 // free: the twist is 2 atan(v_k / w) of the relative quaternion (w, v), and v' = (w ω + ω × v)/2, w' = −ω · v/2.
-// Otherwise empty.
-RealVector calc_twist_gradient(const Model& placed, const SystemState& state, const JointSpring& spring, Index size) {
+// Otherwise `row`, that of the axis.
+RealVector calc_twist_gradient(const Model& placed, const SystemState& state, const JointSpring& spring,
+                               const RealVector& row) {
   const Joint& joint = placed.joints[static_cast<std::size_t>(spring.joint)];
   const RowSet rows = joint.modes[static_cast<std::size_t>(joint.mode)].rows;
   const int k = spring.axis - kRotX;
-  if (k < 0 || ((rows | row_bit(spring.axis)) & kRotationRows) == kRotationRows) return {};
+  if (k < 0 || ((rows | row_bit(spring.axis)) & kRotationRows) == kRotationRows) return row;
   const auto get_attitude = [&](int body) -> Eigen::Matrix3d {
     if (body == kGround) return Eigen::Matrix3d::Identity();
     return state.bodies[static_cast<std::size_t>(body)].q_WB.toRotationMatrix();
@@ -223,14 +224,14 @@ RealVector calc_twist_gradient(const Model& placed, const SystemState& state, co
   const Eigen::Vector3d v = q.vec(), e = Eigen::Vector3d::Unit(k);
   const double w = q.w();
   const Eigen::Vector3d gradient = base * axes * (w * w * e + w * v.cross(e) + v[k] * v) / (w * w + v[k] * v[k]);
-  RealVector out = RealVector::Zero(size);
+  RealVector out = RealVector::Zero(row.size());
   out.segment(6 * joint.follower + 3, 3) += (follower.transpose() * gradient).cast<Real>();
   if (joint.base != kGround) out.segment(6 * joint.base + 3, 3) -= (base.transpose() * gradient).cast<Real>();
   return out;
 }
 
-// Adds an implicit spring: its Jacobian row is that of the joint's row, as if it were active. One about an axis of a
-// joint that turns about others too is explicit.
+// Adds an implicit spring: its pivot is that of the joint's row, as if it were active; its effort is along that row or
+// the gradient of its angle.
 void add_spring(Dense& d, const Model& placed, const SystemState& state, const JointSpring& spring, double x) {
   Model rigid = placed;
   for (Body& body : rigid.bodies) {
@@ -248,18 +249,16 @@ void add_spring(Dense& d, const Model& placed, const SystemState& state, const J
   for (std::size_t i = 0; i < kkt.names.size(); ++i) {
     if (kkt.names[i].joint != spring.joint) continue;
     const RealVector g = kkt.rows.row(static_cast<Index>(i)).transpose();
-    const Real rate = g.dot(kkt.speed), lead = static_cast<Real>(kGamma) * static_cast<Real>(kStep);
+    const Real lead = static_cast<Real>(kGamma) * static_cast<Real>(kStep);
     const Real k = static_cast<Real>(spring.stiffness), damping = static_cast<Real>(spring.damping),
                pivot = lead * (lead * k + damping);
-    const Real slack = static_cast<Real>(spring.effort) - k * static_cast<Real>(x - spring.rest);
     const Index n = g.size();
-    if (const RealVector twist = calc_twist_gradient(placed, state, spring, n); twist.size() > 0) {
-      d.F.head(n) += twist * (slack - damping * twist.dot(kkt.speed));
-      continue;
-    }
-    const Real effort = slack - damping * rate - lead * k * rate;
+    const RealVector twist = calc_twist_gradient(placed, state, spring, g);
+    const Real rate = twist.dot(kkt.speed);
+    const Real effort =
+        static_cast<Real>(spring.effort) - k * static_cast<Real>(x - spring.rest) - damping * rate - lead * k * rate;
     d.M.topLeftCorner(n, n) += pivot * g * g.transpose();
-    d.F.head(n) += g * (effort + pivot * kkt.bias[static_cast<Index>(i)]);
+    d.F.head(n) += twist * effort + g * (pivot * kkt.bias[static_cast<Index>(i)]);
   }
 }
 

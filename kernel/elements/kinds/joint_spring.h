@@ -34,8 +34,7 @@ struct JointSpringKind {
   static Effort calc(const auto& motion, const PlanJointSpring& own, std::size_t, double scale) {
     const std::size_t coordinate = at(own.coordinate);
     double x = motion.ev.coordinates[coordinate], rate = motion.ev.speeds[coordinate], lead = 0;
-    if (is_implicit(motion.plan(), motion.state(), own))
-      lead = calc_lead(motion.ev.compliant[at(own.compliant)], motion.implicit(), x, rate);
+    if (own.compliant != kNone) lead = calc_lead(motion.ev.compliant[at(own.compliant)], motion.implicit(), x, rate);
     Effort effort = calc_in_joint(motion, motion.plan().coordinates[coordinate], x, rate);
     effort.size = calc_joint_spring(own, x, rate, scale) + lead;
     return effort;
@@ -45,8 +44,8 @@ struct JointSpringKind {
             .motors = own.effort * scale * effort.rate,
             .dampers = -own.damping * scale * effort.rate * effort.rate};
   }
-  static LinearSpring get_spring(const PlanData& plan, const State& state, const PlanJointSpring& own) {
-    return {own.stiffness, own.damping, is_implicit(plan, state, own)};
+  static LinearSpring get_spring(const PlanData&, const PlanJointSpring& own) {
+    return {own.stiffness, own.damping, own.compliant != kNone};
   }
 };
 

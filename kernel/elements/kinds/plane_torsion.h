@@ -59,9 +59,7 @@ struct PlaneTorsionKind {
     return {.potential = calc_stored(own.stiffness, effort.length),
             .dampers = -own.damping * scale * effort.rate * effort.rate};
   }
-  static LinearSpring get_spring(const PlanData&, const State&, const PlanPlaneTorsion& own) {
-    return {own.stiffness, own.damping};
-  }
+  static LinearSpring get_spring(const PlanData&, const PlanPlaneTorsion& own) { return {own.stiffness, own.damping}; }
 };
 
 }  // namespace unlatch

@@ -71,9 +71,7 @@ struct PointSpringKind {
     const double elastic = -own.stiffness * stretch * scale;
     return {.potential = calc_stored(own.stiffness, stretch), .dampers = (effort.size - elastic) * effort.rate};
   }
-  static LinearSpring get_spring(const PlanData&, const State&, const PlanPointSpring& own) {
-    return {own.stiffness, own.damping};
-  }
+  static LinearSpring get_spring(const PlanData&, const PlanPointSpring& own) { return {own.stiffness, own.damping}; }
 };
 
 }  // namespace unlatch

@@ -158,7 +158,6 @@ TEST(EnergyAudit, SpringsAndStopsAboutAnAxisKeepEnergyWhicheverRotationsAreFree)
                           {"rows: []", "[1, 1.2, 1.7]", "[0, 0.85, -0.6]"},
                           {"rows: [x, y, z, rot_x]", "[0, 1.2, 1.7]", "[0, 0.85, -0.6]"},
                           {"rows: [x, y, z, rot_z]", "[1, 1.2, 0]", "[0, 0, -0.6]"},
-                          {"rows: [rot_y]", "[1, 0, 1.7]", "[0, 0.85, -0.6]"},
                           {"kind: universal", "[1, 1.2, 0]", "[0, 0, -0.6]"}}) {
     const std::string joint =
         "joints:\n  j: {between: [a, b], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], "

@@ -109,7 +109,7 @@ struct OneSidedKind {
   // rounding, and the force still acts: the power before the event. After it nothing acts and nothing is lost.
   static ElementEnergy calc_energy(const StageMotion& motion, const PlanOneSided& own, const Effort& effort,
                                    double scale);
-  static LinearSpring get_spring(const PlanData& plan, const State&, const PlanOneSided& own) {
+  static LinearSpring get_spring(const PlanData& plan, const PlanOneSided& own) {
     return {calc_largest_stiffness(get_law(plan, own)), own.law.damping};
   }
 };
