@@ -73,14 +73,14 @@ TEST(EighthOrder, ItsErrorsFallByTheEighthPower) {
   const std::vector<double> reference = integrate_by(model, kDuration, 512, Contacts::kEighthOrder);
   EXPECT_LT(calc_distance(integrate_by(model, kDuration, 4096, Contacts::kExplicit), reference), 1e-10);
   double before = 0;
-  for (const int count : {4, 8}) {
+  for (const int count : {8, 16, 32}) {
     const double error = calc_distance(integrate_by(model, kDuration, count, Contacts::kEighthOrder), reference);
     if (before > 0) {
-      EXPECT_NEAR(std::log2(before / error), 8, 1) << count << " sub-steps, error " << error;
+      EXPECT_NEAR(std::log2(before / error), 8, 0.5) << count << " sub-steps, error " << error;
     }
     before = error;
   }
-  EXPECT_LT(before, 1e-7);
+  EXPECT_LT(before, 1e-11);
 }
 
 TEST(EighthOrder, ImpulsesAreThoseThatActed) {
@@ -95,7 +95,7 @@ TEST(EighthOrder, ImpulsesAreThoseThatActed) {
 }
 
 // A ball of 1 kg falls on a floor of 1 MN/m: a blow of 3 ms, of which a step of 1 ms is 1/ω. Parts of RK4 would be more
-// than eight a step.
+// than eight a step (0.12 of the rate, 0.3 of it here).
 TEST(EighthOrder, ABlowTakesFewPartsAndPartsWithItsRestitution) {
   for (const double restitution : {0.3, 0.9}) {
     constexpr double kSpeed = 0.5;
@@ -117,7 +117,7 @@ TEST(EighthOrder, ABlowTakesFewPartsAndPartsWithItsRestitution) {
       ++steps;
     }
     ASSERT_TRUE(closed);
-    EXPECT_LE(substeps, 5 * steps + 8) << restitution;
+    EXPECT_LE(substeps, 8 * steps) << restitution;
     EXPECT_NEAR(s.state.bodies[0].v.z, restitution * kSpeed, 1e-6 * kSpeed);
   }
 }
