@@ -14,7 +14,7 @@
 // freedoms whatever its mode, since the spring acts on one of them. About an axis of a joint whose other rotations are
 // free the spring acts along the gradient g of its angle (calc_angle_gradient()), for which A has the axis n: any A is
 // of order two, and this one damps what it does while g is near n, as in a stiff bushing. Where the follower's axis has
-// swung far, a stiff spring may swing on; hil/run/notices/implicit_audit.h sees that.
+// swung far, a stiff spring is unstable; hil/run/notices/implicit_audit.h reports that.
 #pragma once
 
 #include "kernel/plan/evaluation.h"
