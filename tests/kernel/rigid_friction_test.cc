@@ -145,6 +145,14 @@ TEST(RigidFriction, ASlipThatTurnsIsOfOrderFour) {
   EXPECT_GT(errors[1] / errors[2], 10);
 }
 
+TEST(RigidFriction, ANumberOfPartsInTheModelHoldsForSlipsToo) {
+  Model model = build_incline(0.3, 0.2);
+  model.contact_substeps = 4;
+  model.bodies[0].v_WB = {0, 2, 0};
+  Simulation s(model);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(s.advance().substeps, 4) << i;
+}
+
 TEST(RigidFriction, ABallWithBackspinSlipsThenRolls) {
   constexpr double kFriction = 0.2, kSpeed = 1, kSpin = -30;  // about y: backwards
   Model model = build_rolling_ball(kFriction, 0);
