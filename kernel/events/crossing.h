@@ -86,7 +86,7 @@ inline double calc_bent_peak(const Flank& left, const Flank& right) {
   const double part = left.rate / bend;                                       // of the parabola, up to its peak
   const double peak = bent <= h ? (h - bent) + bent * part : other * part;
   constexpr double kInner = 1.0 / 16;
-  return left.time + std::fmin(std::fmax(peak, kInner * h), (1 - kInner) * h);
+  return left.time + (peak > kInner * h ? (peak < (1 - kInner) * h ? peak : (1 - kInner) * h) : kInner * h);
 }
 
 }  // namespace unlatch
