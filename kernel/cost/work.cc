@@ -416,10 +416,8 @@ bool has_gradient(const PlanData& plan, std::int32_t coordinate) {
   const PlanCoordinate& c = plan.coordinates[at(coordinate)];
   if (c.row < kRotX) return false;
   const PlanJoint& joint = plan.joints[at(c.joint)];
-  const std::size_t next = at(c.joint) + 1, first = at(joint.first_mode),
-                    end = next < plan.joints.size() ? at(plan.joints[next].first_mode) : plan.modes.size();
-  const auto modes = std::span(plan.modes).subspan(first, end - first);
-  return !std::ranges::all_of(modes, [&](RowSet rows) { return has_plain_angle(joint, rows, c.row); });
+  return !std::ranges::all_of(get_modes(plan, c.joint),
+                              [&](RowSet rows) { return has_plain_angle(joint, rows, c.row); });
 }
 
 void count_coordinates(const PlanData& plan, Coordinates set, Work& work) {
